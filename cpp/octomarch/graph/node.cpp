@@ -1,0 +1,163 @@
+// Interning of nodes: one table of weak entries, so that equal sub-shapes are one object and die with their last user.
+// Builders (builder.cpp) come before it; everything that walks the graph relies on its guarantee of identity.
+#include "octomarch/graph/node.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <mutex>
+#include <unordered_map>
+#include <unordered_set>
+#include <utility>
+
+namespace octomarch {
+namespace {
+
+/// One round of the 64-bit finaliser of MurmurHash3 (A. Appleby, public domain), mixing `word` into `seed`.
+std::uint64_t mix(std::uint64_t seed, std::uint64_t word) {
+  std::uint64_t h = seed ^ (word + 0x9e3779b97f4a7c15ULL + (seed << 6U) + (seed >> 2U));
+  h = (h ^ (h >> 33U)) * 0xff51afd7ed558ccdULL;
+  h = (h ^ (h >> 33U)) * 0xc4ceb9fe1a85ec53ULL;
+  return h ^ (h >> 33U);
+}
+
+std::uint64_t hash(NodeKind kind, std::span<const double> parameters, std::span<const NodePtr> children) {
+  std::uint64_t h = mix(0, static_cast<std::uint64_t>(kind));
+  for (const double parameter : parameters) h = mix(h, std::bit_cast<std::uint64_t>(parameter));
+  for (const NodePtr& child : children) h = mix(h, reinterpret_cast<std::uintptr_t>(child.get()));
+  return h;
+}
+
+bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+
+}  // namespace
+
+/// The table of living nodes, and the deleter that takes them out of it.
+class Interner {
+ public:
+  /// Never destroyed: nodes held by static objects may outlive any static table.
+  static Interner& instance() {
+    static Interner& interner = *new Interner;
+    return interner;
+  }
+
+  NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children) {
+    const std::uint64_t key = hash(kind, parameters, children);
+    {
+      const std::lock_guard lock(mutex_);
+      if (NodePtr existing = find(key, kind, parameters, children)) return existing;
+    }
+    // Made outside the lock: should anything here throw, the deleter runs, and it takes the lock.
+    const NodePtr fresh(new Node(kind, std::move(parameters), std::move(children)), release);
+    const std::lock_guard lock(mutex_);
+    if (NodePtr existing = find(key, kind, fresh->parameters(), fresh->children())) return existing;
+    table_.emplace(key, Entry{fresh.get(), fresh});
+    return fresh;
+  }
+
+ private:
+  struct Entry {
+    const Node* node;
+    std::weak_ptr<const Node> owner;
+  };
+
+  /// Contract: the lock is held. A node stays readable while it is in the table, even when its last owner is gone and
+  /// its deleter waits for the lock; then it cannot be revived and a new node takes its place beside it.
+  NodePtr find(std::uint64_t key, NodeKind kind, std::span<const double> parameters,
+               std::span<const NodePtr> children) const {
+    const auto [first, last] = table_.equal_range(key);
+    for (auto entry = first; entry != last; ++entry) {
+      const Node& node = *entry->second.node;
+      if (node.kind() != kind || !std::ranges::equal(node.parameters(), parameters, same_bits) ||
+          !std::ranges::equal(node.children(), children)) {
+        continue;
+      }
+      if (NodePtr alive = entry->second.owner.lock()) return alive;
+    }
+    return nullptr;
+  }
+
+  void forget(const Node* node) {
+    const std::uint64_t key = hash(node->kind(), node->parameters(), node->children());
+    const std::lock_guard lock(mutex_);
+    const auto [first, last] = table_.equal_range(key);
+    const auto entry = std::find_if(first, last, [node](const auto& item) { return item.second.node == node; });
+    if (entry != last) table_.erase(entry);
+  }
+
+  /// Deleter of every node. The outermost call on a thread owns the work list; the calls that come out of dropping
+  /// children only append to it, so the stack stays flat however deep the graph is.
+  static void release(Node* node) {
+    thread_local std::vector<Node*>* pending = nullptr;
+    instance().forget(node);
+    if (pending != nullptr) {
+      pending->push_back(node);
+      return;
+    }
+    std::vector<Node*> work{node};
+    pending = &work;
+    while (!work.empty()) {
+      Node* const next = work.back();
+      work.pop_back();
+      const std::vector<NodePtr> children = std::move(next->children_);
+      delete next;
+    }
+    pending = nullptr;
+  }
+
+  std::mutex mutex_;
+  std::unordered_multimap<std::uint64_t, Entry> table_;
+};
+
+Node::Node(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children)
+    : kind_(kind), parameters_(std::move(parameters)), children_(std::move(children)) {}
+
+NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children) {
+  for (double& parameter : parameters) parameter += 0.0;  // −0 becomes +0
+  return Interner::instance().intern(kind, std::move(parameters), std::move(children));
+}
+
+std::string_view name(NodeKind kind) {
+  switch (kind) {
+    case NodeKind::kSphere: return "sphere";
+    case NodeKind::kBox: return "box";
+    case NodeKind::kPlane: return "plane";
+    case NodeKind::kCylinder: return "cylinder";
+    case NodeKind::kCappedCylinder: return "capped_cylinder";
+    case NodeKind::kTorus: return "torus";
+    case NodeKind::kCapsule: return "capsule";
+    case NodeKind::kUnion: return "union";
+    case NodeKind::kIntersection: return "intersection";
+    case NodeKind::kDifference: return "difference";
+    case NodeKind::kComplement: return "complement";
+    case NodeKind::kTranslate: return "translate";
+    case NodeKind::kRotate: return "rotate";
+    case NodeKind::kScale: return "scale";
+    case NodeKind::kRepeat: return "repeat";
+    case NodeKind::kPaint: return "paint";
+  }
+  return "unknown";
+}
+
+std::size_t count_nodes(const NodePtr& root) {
+  if (!root) return 0;
+  std::unordered_set<const Node*> seen{root.get()};
+  std::vector<const Node*> work{root.get()};
+  while (!work.empty()) {
+    const Node* const node = work.back();
+    work.pop_back();
+    for (const NodePtr& child : node->children()) {
+      if (seen.insert(child.get()).second) work.push_back(child.get());
+    }
+  }
+  return seen.size();
+}
+
+RepeatAxis repeat_axis(const Node& repeat, std::size_t axis) {
+  const double period = repeat.parameter(axis);
+  const double count = repeat.parameter(3 + axis);
+  if (count == 0.0) return {period, 0.5, kInfinity};
+  const bool even = std::fmod(count, 2.0) == 0.0;
+  return {period, even ? 0.0 : 0.5, 0.5 * (count - 1.0)};
+}
+
+}  // namespace octomarch
