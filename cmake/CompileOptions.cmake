@@ -1,0 +1,23 @@
+# What every target of the project is compiled with: octomarch_options. Instruction sets are added by Isa.cmake.
+
+# -ffp-contract=off: GCC otherwise fuses multiply and add where the target can, and instruction sets disagree in bits.
+# -fno-math-errno: sqrt is one instruction, without a call that only sets errno; values are unchanged.
+set(OCTOMARCH_FLOAT_FLAGS -ffp-contract=off -fno-math-errno)
+
+foreach(flags IN ITEMS "${CMAKE_CXX_FLAGS}" "$ENV{LDFLAGS}" "${CMAKE_SHARED_LINKER_FLAGS}" "${CMAKE_MODULE_LINKER_FLAGS}")
+  if(flags MATCHES "-ffast-math|-Ofast|-funsafe-math-optimizations")
+    message(FATAL_ERROR "octomarch cannot be built with ${CMAKE_MATCH_0}: it changes results between instruction sets, and "
+                        "linking with it switches the whole process to flush-to-zero. Remove it from CXXFLAGS and LDFLAGS.")
+  endif()
+endforeach()
+
+add_library(octomarch_options INTERFACE)
+target_compile_options(octomarch_options INTERFACE ${OCTOMARCH_FLOAT_FLAGS} -Wall -Wextra -Wpedantic -Wconversion)
+if(OCTOMARCH_WERROR)
+  target_compile_options(octomarch_options INTERFACE -Werror)
+endif()
+if(OCTOMARCH_SANITIZE)
+  target_compile_options(octomarch_options INTERFACE
+    -fsanitize=${OCTOMARCH_SANITIZE} -fno-sanitize-recover=all -fno-omit-frame-pointer)
+  target_link_options(octomarch_options INTERFACE -fsanitize=${OCTOMARCH_SANITIZE})
+endif()

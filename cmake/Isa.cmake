@@ -1,0 +1,31 @@
+# The instruction sets this target and compiler can be built for: OCTOMARCH_ISAS, and for each an interface target
+# octomarch_isa_options_<isa> with its compile options. Benchmarks use them too, so that comparisons share their flags.
+include(CheckCXXCompilerFlag)
+
+# scalar is one lane at a time, so that it shows what packets gain: the compiler must not vectorise it behind our back.
+set(isa_flags_scalar -fno-tree-vectorize -fno-tree-slp-vectorize)
+set(isa_flags_sse2 "")
+set(isa_flags_avx2 -mavx2)
+set(isa_flags_avx512 -mavx512f -mavx512cd -mavx512dq -mavx512bw -mavx512vl)
+set(isa_flags_neon "")
+
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
+  set(isa_candidates scalar sse2 avx2 avx512)
+elseif(CMAKE_SYSTEM_PROCESSOR MATCHES "^(aarch64|arm64)$")
+  set(isa_candidates scalar neon)
+else()
+  set(isa_candidates scalar)
+endif()
+
+set(OCTOMARCH_ISAS "")
+foreach(isa IN LISTS isa_candidates)
+  list(JOIN isa_flags_${isa} " " flags)
+  check_cxx_compiler_flag("${flags}" OCTOMARCH_COMPILER_TARGETS_${isa})
+  if(OCTOMARCH_COMPILER_TARGETS_${isa})
+    list(APPEND OCTOMARCH_ISAS ${isa})
+    add_library(octomarch_isa_options_${isa} INTERFACE)
+    target_compile_options(octomarch_isa_options_${isa} INTERFACE
+      $<$<NOT:$<CONFIG:Debug>>:-O3> -fvisibility=hidden ${isa_flags_${isa}})
+  endif()
+endforeach()
+message(STATUS "Instruction sets: ${OCTOMARCH_ISAS}")
