@@ -1,0 +1,214 @@
+"""Turns what users pass into what the native module takes: floats, 3-tuples, contiguous arrays.
+
+Comes before every other module of the package. A wrong type is a `TypeError`, a value outside its domain a
+`ValueError`; both name the argument and show the value. Numbers that native builders check are only converted here.
+"""
+
+from __future__ import annotations
+
+import math
+import numbers
+from collections.abc import Iterable, Sequence
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+Vec3: TypeAlias = tuple[float, float, float]
+VectorLike: TypeAlias = Sequence[float] | NDArray[Any]
+ColorLike: TypeAlias = float | VectorLike
+AxisLike: TypeAlias = Literal["x", "y", "z"] | VectorLike
+Precision: TypeAlias = Literal["float32", "float64"]
+
+_AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
+
+
+def shown(value: object) -> str:
+    """Return `value` as it appears in messages: one line, not longer than a line."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
+def number(name: str, value: object) -> float:
+    """Return a real number as float; NaN and infinities pass."""
+    if isinstance(value, np.ndarray) and value.ndim == 0:
+        value = value[()]
+    if isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
+        try:
+            return float(value)
+        except OverflowError:
+            raise ValueError(f"{name} must fit a float, got {shown(value)}") from None
+    raise TypeError(f"{name} must be a number, got {shown(value)}")
+
+
+def finite(name: str, value: object) -> float:
+    """Return a finite number."""
+    result = number(name, value)
+    if not math.isfinite(result):
+        raise ValueError(f"{name} must be finite, got {shown(value)}")
+    return result
+
+
+def non_negative(name: str, value: object) -> float:
+    """Return a finite number ≥ 0."""
+    result = finite(name, value)
+    if result < 0:
+        raise ValueError(f"{name} must be ≥ 0, got {shown(value)}")
+    return result
+
+
+def positive(name: str, value: object) -> float:
+    """Return a finite number > 0."""
+    result = finite(name, value)
+    if result <= 0:
+        raise ValueError(f"{name} must be > 0, got {shown(value)}")
+    return result
+
+
+def fraction(name: str, value: object) -> float:
+    """Return a number in [0, 1]."""
+    result = number(name, value)
+    if not 0 <= result <= 1:
+        raise ValueError(f"{name} must lie in [0, 1], got {shown(value)}")
+    return result
+
+
+def integer(name: str, value: object, minimum: int, maximum: int = 2**31 - 1) -> int:
+    """Return an integer in [minimum, maximum]."""
+    if not isinstance(value, numbers.Integral) or isinstance(value, bool):
+        raise TypeError(f"{name} must be an integer, got {shown(value)}")
+    result = int(value)
+    if not minimum <= result <= maximum:
+        raise ValueError(f"{name} must lie in [{minimum}, {maximum}], got {shown(value)}")
+    return result
+
+
+def sequence(name: str, value: object, what: str) -> list[Any]:
+    """Return the items of an iterable that is neither text, a mapping nor a set; `what` completes "must be"."""
+    if isinstance(value, Iterable) and not isinstance(value, (str, bytes, dict, set, frozenset)):
+        if not isinstance(value, np.ndarray) or value.ndim == 1:
+            return list(value)
+        if value.ndim > 1:
+            raise ValueError(f"{name} must be {what}, got an array of shape {value.shape}")
+    raise TypeError(f"{name} must be {what}, got {shown(value)}")
+
+
+def vector(name: str, value: object) -> Vec3:
+    """Return three numbers; NaN and infinities pass."""
+    items = sequence(name, value, "three numbers")
+    if len(items) != 3:
+        raise ValueError(f"{name} must be three numbers, got {shown(value)}")
+    x, y, z = (number(f"{name}[{i}]", item) for i, item in enumerate(items))
+    return x, y, z
+
+
+def point(name: str, value: object) -> Vec3:
+    """Return three finite numbers."""
+    result = vector(name, value)
+    if not all(map(math.isfinite, result)):
+        raise ValueError(f"{name} must be finite, got {shown(value)}")
+    return result
+
+
+def direction(name: str, value: object) -> Vec3:
+    """Return three finite numbers that are not all zero, scaled to unit length."""
+    x, y, z = point(name, value)
+    largest = max(abs(x), abs(y), abs(z))
+    if largest == 0:
+        raise ValueError(f"{name} must not be the zero vector, got {shown(value)}")
+    x, y, z = x / largest, y / largest, z / largest
+    length = math.sqrt(x * x + y * y + z * z)
+    return x / length, y / length, z / length
+
+
+def axis(name: str, value: object) -> Vec3:
+    """Return the direction of "x", "y", "z" or of three numbers, which native builders check."""
+    if isinstance(value, str):
+        if value not in _AXES:
+            raise ValueError(f"{name} must be 'x', 'y', 'z' or three numbers, got {shown(value)}")
+        return _AXES[value]
+    return vector(name, value)
+
+
+def color(name: str, value: object) -> Vec3:
+    """Return a linear RGB colour with components ≥ 0; one number means grey."""
+    if isinstance(value, numbers.Real):
+        grey = non_negative(name, value)
+        return grey, grey, grey
+    result = point(name, value)
+    if min(result) < 0:
+        raise ValueError(f"{name} must have components ≥ 0, got {shown(value)}")
+    return result
+
+
+def choice(name: str, value: object, options: Sequence[str | None]) -> Any:
+    """Return `value` if it is one of `options`."""
+    if value is not None and not isinstance(value, str):
+        raise TypeError(f"{name} must be one of {_listed(options)}, got {shown(value)}")
+    if value not in options:
+        raise ValueError(f"{name} must be one of {_listed(options)}, got {shown(value)}")
+    return value
+
+
+def planes(value: object, options: Sequence[str]) -> list[str]:
+    """Return the distinct names of `planes`, in the order of `options`; a single string is one name."""
+    names = [value] if isinstance(value, str) else sequence("planes", value, "names of planes")
+    for name in names:
+        choice("planes", name, options)
+    return [name for name in options if name in names]
+
+
+def points(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """Return real numbers of shape (..., 3) as a contiguous float64 array; NaN and infinities pass."""
+    try:
+        array = np.asarray(value)
+    except ValueError as error:  # a ragged nesting
+        raise ValueError(f"{name} must have shape (..., 3), got {shown(value)}") from error
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must be real numbers, got an array of dtype {array.dtype}")
+    if array.ndim == 0 or array.shape[-1] != 3:
+        raise ValueError(f"{name} must have shape (..., 3), got shape {array.shape}")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def size(value: object) -> tuple[int, int]:
+    """Return (width, height), at most 2²⁸ pixels together."""
+    items = sequence("size", value, "(width, height)")
+    if len(items) != 2:
+        raise ValueError(f"size must be (width, height), got {shown(value)}")
+    width, height = (integer(f"size[{i}]", item, 1) for i, item in enumerate(items))
+    if width * height > 2**28:
+        raise ValueError(f"size must hold at most 2**28 pixels, got {shown(value)}")
+    return width, height
+
+
+def threads(value: object) -> int:
+    """Return the number of threads, 0 for all cores (None)."""
+    return 0 if value is None else integer("threads", value, 1, 4096)
+
+
+def isa(value: object) -> str:
+    """Return the name of an instruction set, "" for the best one (None); the native module checks the name."""
+    if value is None:
+        return ""
+    if not isinstance(value, str):
+        raise TypeError(f"isa must be a name or None, got {shown(value)}")
+    if not value:
+        raise ValueError("isa must be a name or None, got ''")
+    return value
+
+
+def precision(value: object) -> Precision:
+    """Return "float32" or "float64"."""
+    result: Precision = choice("precision", value, ("float32", "float64"))
+    return result
+
+
+def set_fields(instance: object, **fields: object) -> None:
+    """Assign to fields of a frozen dataclass, from its own ``__init__``."""
+    for name, value in fields.items():
+        object.__setattr__(instance, name, value)
+
+
+def _listed(options: Sequence[str | None]) -> str:
+    return ", ".join(map(repr, options))

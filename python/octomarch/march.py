@@ -1,0 +1,172 @@
+"""How rays are marched: `March` holds the settings, `Status` names what becomes of a ray.
+
+Settings left at None follow from the size of the scene; `March.resolve` is the one place that fills them in, for
+queries, renders and the reference alike.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from octomarch import _core
+from octomarch import _validate as check
+from octomarch.program import Program
+
+Method: TypeAlias = Literal["plain"]
+_METHODS = ("plain",)
+
+
+class Status(IntEnum):
+    """What became of a ray. The values are part of the file format.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> om.Status(int(om.sphere(1.0).raycast([0, 0, 3], [0, 1, 0]).status)).name
+    'MISS'
+    """
+
+    HIT = 0
+    """A surface was reached."""
+    MISS = 1
+    """The farthest distance was passed; t is +inf."""
+    STEP_LIMIT = 2
+    """All steps were spent; t is the best candidate, and no surface lies before it."""
+    INSIDE = 3
+    """The ray starts in the solid, or nearer than epsilon to it; t is 0."""
+    INVALID = 4
+    """The field is NaN, or the ray's origin or direction is not finite or its direction zero; t is +inf."""
+
+
+@dataclass(frozen=True, init=False)
+class March:
+    """Settings of the march along a ray: sphere tracing [1]_.
+
+    A ray has hit when the field, divided by its Lipschitz bound, is less than the *hit epsilon*
+    ``max(epsilon, 16 u max(|origin|, t), pixel_tolerance * pixel_radius(t))``, where u is the unit roundoff of the
+    precision and the pixel radius is half the height of a pixel at t (0 for queries).
+
+    Parameters
+    ----------
+    method : {"plain"}
+        Each step is the field divided by its Lipschitz bound.
+    max_steps : int
+        Evaluations per ray at the most, ≥ 1. Rays that spend them all end as `Status.STEP_LIMIT`.
+    epsilon : float, optional
+        Absolute hit epsilon in scene units, ≥ 0. None: 1e-6 of the scene's size for renders, 1e-5 for queries, which
+        have no pixels to go by.
+    pixel_tolerance : float
+        Hit epsilon in pixel radii, ≥ 0: 0.5 for a draft, 0.1 is fine.
+    max_distance : float, optional
+        Farthest distance marched, > 0, in scene units. None: where everything is bounded, enough to pass all of it
+        from the eye or any origin; else 1000 times the scene's size, or its distance from the eye if that is more.
+    finish : {"secant"}, optional
+        Refine a hit by the secant through the last two samples, at no further evaluation. None: do not.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of a wrong type or outside its range; an unknown name is answered with those there are.
+
+    Notes
+    -----
+    The *scene's size* is the diagonal of `Program.focus`, or 1 when that is None or a single point.
+
+    References
+    ----------
+    .. [1] J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996. doi:10.1007/s003710050084
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> march = om.March(max_steps=64, epsilon=1e-4)
+    >>> int(om.sphere(1.0).raycast([0, 0, 3], [0, 0, -1], march=march).steps)
+    2
+    """
+
+    method: Method
+    max_steps: int
+    epsilon: float | None
+    pixel_tolerance: float
+    max_distance: float | None
+    finish: Literal["secant"] | None
+
+    def __init__(
+        self,
+        method: Method = "plain",
+        max_steps: int = 256,
+        epsilon: float | None = None,
+        pixel_tolerance: float = 0.1,
+        max_distance: float | None = None,
+        finish: Literal["secant"] | None = "secant",
+    ) -> None:
+        check.set_fields(
+            self,
+            method=check.choice("method", method, _METHODS),
+            max_steps=check.integer("max_steps", max_steps, 1),
+            epsilon=None if epsilon is None else check.non_negative("epsilon", epsilon),
+            pixel_tolerance=check.non_negative("pixel_tolerance", pixel_tolerance),
+            max_distance=None if max_distance is None else check.positive("max_distance", max_distance),
+            finish=check.choice("finish", finish, ("secant", None)),
+        )
+
+    def resolve(self, program: Program, origins: ArrayLike, *, pixels: bool = True) -> March:
+        """Return these settings with every None replaced by its number.
+
+        Parameters
+        ----------
+        program : Program
+            What is marched.
+        origins : array_like of float, shape (..., 3)
+            Where rays start: the eye, or the origins of a query. Those not finite are passed over.
+        pixels : bool
+            True for a render, False for a query.
+
+        Returns
+        -------
+        March
+            With numbers for ``epsilon`` and ``max_distance``.
+
+        Examples
+        --------
+        >>> import octomarch as om
+        >>> march = om.March().resolve(om.compile(om.box(1.0)), (0, 0, 3))
+        >>> round(march.max_distance, 2)
+        3.57
+        """
+        epsilon, max_distance = self.epsilon, self.max_distance
+        if epsilon is None:
+            epsilon = (1e-6 if pixels else 1e-5) * program.size
+        if max_distance is None:
+            max_distance = _reach(program, check.points("origins", origins).reshape(-1, 3))
+        return March(self.method, self.max_steps, epsilon, self.pixel_tolerance, max_distance, self.finish)
+
+    def _native(self) -> _core.March:
+        """Convert settings that `resolve` has filled."""
+        if self.epsilon is None or self.max_distance is None:
+            raise ValueError("march must be resolved first: see March.resolve")
+        return _core.March(
+            self.max_steps, self.epsilon, self.pixel_tolerance, self.max_distance, self.finish == "secant"
+        )
+
+
+def _reach(program: Program, origins: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> float:
+    """Return how far rays from `origins`, and shadow rays from what they hit, may have to go.
+
+    A thousandth is added so that rounding does not lose what lies at the very end.
+    """
+    origins = origins[np.isfinite(origins).all(axis=1)]
+    lo, hi = (np.array(corner) for corner in program.bounds)
+    if np.isfinite(lo).all() and np.isfinite(hi).all():
+        farthest = np.linalg.norm(np.maximum(np.abs(origins - lo), np.abs(origins - hi)), axis=1).max(initial=0.0)
+        reach = 1.001 * max(float(farthest), float(np.linalg.norm(hi - lo)))
+    else:
+        centre = np.mean(program.focus or ((0.0, 0.0, 0.0),), axis=0)
+        away = np.linalg.norm(origins - centre, axis=1).max(initial=0.0)
+        reach = 1000.0 * max(program.size, float(away))
+    return min(max(reach, np.finfo(np.float32).tiny), np.finfo(np.float64).max)
