@@ -39,9 +39,7 @@ void require_direction(const Vec3& value, std::string_view argument) {
   require(is_finite(value) && value != Vec3{}, argument, "finite and not zero", text(value));
 }
 
-void require_shape(const NodePtr& shape, std::string_view argument = "shape") {
-  require(shape != nullptr, argument, "a shape", "nothing");
-}
+void require_shape(const NodePtr& shape) { require(shape != nullptr, "shape", "a shape", "none"); }
 
 /// Number of the coordinate axis along which the unit vector `v` points, if it does, either way.
 std::optional<double> coordinate_axis(const Vec3& v) {
@@ -158,7 +156,7 @@ NodePtr combine(NodeKind kind, std::vector<NodePtr> shapes, double smooth) {
   require(kind == NodeKind::kUnion || kind == NodeKind::kIntersection || kind == NodeKind::kDifference, "kind",
           "union, intersection or difference", name(kind));
   require(!shapes.empty(), "shapes", "at least one shape", "none");
-  for (const NodePtr& shape : shapes) require_shape(shape, "every one of shapes");
+  require(std::ranges::find(shapes, nullptr) == shapes.end(), "shapes", "all shapes", "none among them");
   require_length(smooth, "smooth");
   if (shapes.size() == 1) return std::move(shapes.front());
   return intern(kind, {smooth}, std::move(shapes));
