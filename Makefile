@@ -1,0 +1,101 @@
+# Everything one does with octomarch. `make demo` and `make test` start from a bare Debian with Python ≥ 3.11, g++, make
+# and pip: they make .venv, install what is missing and build. Each step leaves a stamp and is redone when its inputs change.
+#
+#   make demo    render the demo scenes          make lint     check formats, types and style, Python and C++
+#   make test    lint, C++ tests, pytest         make format   rewrite the sources as lint wants them
+#   make build   install into .venv              make bench    measure speed
+#   make sanitize  C++ tests under address and undefined-behaviour sanitizers
+#   make clean   remove what was built           make distclean  remove .venv too
+#
+# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS (more arguments for pytest).
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.DEFAULT_GOAL := build
+.PHONY: demo test build lint format bench sanitize clean distclean check-cpp check-python check-cpp-style
+
+PYTHON ?= python3
+BIN := .venv/bin
+STAMPS := .venv/stamps
+BUILD_DIR := build/venv
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+export CMAKE_BUILD_PARALLEL_LEVEL ?= $(shell nproc)
+export PATH := $(CURDIR)/$(BIN):$(PATH)
+
+# Directories are listed too: adding or removing a file changes theirs.
+tree = $(shell find $(1) -name __pycache__ -prune -o \( -type d -o -type f \) -print)
+SOURCES := CMakeLists.txt pyproject.toml README.md LICENSE $(call tree,cmake cpp python)
+CPP_FILES = $(shell find cpp tests/cpp benchmarks -name '*.hpp' -o -name '*.cpp')
+
+demo: $(STAMPS)/installed
+	$(BIN)/octomarch demo
+
+build: $(STAMPS)/installed
+
+# pytest comes last, so that its summary is the last thing seen.
+test: $(STAMPS)/installed $(STAMPS)/dev-tools
+	$(MAKE) --no-print-directory lint
+	$(MAKE) --no-print-directory check-cpp
+	OCTOMARCH_BUILD_DIR=$(BUILD_DIR) $(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: check-python check-cpp-style
+
+check-python: $(STAMPS)/installed $(STAMPS)/dev-tools
+	ruff check .
+	ruff format --check .
+	mypy
+	python -m mypy.stubtest octomarch._core
+
+check-cpp-style: $(STAMPS)/dev-tools $(STAMPS)/cpp-tests-built
+	clang-format --dry-run -Werror $(CPP_FILES)
+	python tools/clang_tidy.py $(BUILD_DIR)
+
+check-cpp: $(STAMPS)/cpp-tests-built
+	ctest --test-dir $(BUILD_DIR) --output-on-failure
+
+format: $(STAMPS)/dev-tools
+	ruff check --fix .
+	ruff format .
+	clang-format -i $(CPP_FILES)
+
+bench: $(STAMPS)/installed
+	cmake -S . -B $(BUILD_DIR) -DOCTOMARCH_BUILD_BENCHMARKS=ON
+	cmake --build $(BUILD_DIR)
+	$(BIN)/python benchmarks/run.py --build-dir $(BUILD_DIR)
+
+sanitize: $(STAMPS)/installed $(STAMPS)/dev-tools
+	cmake --preset asan-ubsan
+	cmake --build --preset asan-ubsan
+	ctest --preset asan-ubsan
+
+clean:
+	rm -rf build dist $(STAMPS)/installed $(STAMPS)/cpp-tests-built
+
+distclean: clean
+	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis
+
+$(STAMPS)/venv:
+	tools/setup.sh "$(PYTHON)" build
+	mkdir -p $(STAMPS) && touch $@
+
+# Build requirements live in .venv, and the build directory stays: an incremental build only compiles what changed.
+$(STAMPS)/build-tools: pyproject.toml tools/requirements.py | $(STAMPS)/venv
+	$(BIN)/python tools/requirements.py build > $@.txt
+	$(PIP) install --quiet --requirement $@.txt
+	touch $@
+
+$(STAMPS)/dev-tools: pyproject.toml tools/requirements.py | $(STAMPS)/venv
+	tools/setup.sh "$(PYTHON)" test
+	$(BIN)/python tools/requirements.py dev > $@.txt
+	$(PIP) install --quiet --requirement $@.txt
+	touch $@
+
+$(STAMPS)/installed: $(STAMPS)/build-tools $(SOURCES)
+	$(PIP) install --quiet --no-build-isolation . --config-settings=build-dir=$(BUILD_DIR) \
+	  --config-settings=cmake.define.OCTOMARCH_WERROR=ON
+	touch $@
+
+$(STAMPS)/cpp-tests-built: $(STAMPS)/installed $(STAMPS)/dev-tools $(call tree,tests/cpp)
+	cmake -S . -B $(BUILD_DIR) -DOCTOMARCH_BUILD_TESTS=ON > $(BUILD_DIR)/configure.log
+	cmake --build $(BUILD_DIR) --target octomarch_tests
+	touch $@
