@@ -1,8 +1,8 @@
 """Run clang-tidy over the C++ sources of a build directory, and only over what changed since they last passed.
 
 ``clang_tidy.py BUILD_DIR`` reads BUILD_DIR/compile_commands.json. A source passes under a key: the hash of its compile
-command, of .clang-tidy, and of the text of the source and all project headers that it includes. Passed keys are files in
-BUILD_DIR/clang-tidy, so that a second run over unchanged sources takes no time.
+command, of .clang-tidy, and of the text of the source and of all project headers that it includes. Passed keys are
+files in BUILD_DIR/clang-tidy, so that a second run over unchanged sources takes no time.
 """
 
 import hashlib
@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parent.parent
 CHECKED = ("cpp", "tests/cpp", "benchmarks/cpp")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
 # Options that only GCC knows are not worth a warning in the linter.
-TIDY_ARGUMENTS = ["--quiet", "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-ignored-optimization-argument"]
+QUIET = ["--quiet", "--extra-arg=-Wno-unknown-warning-option", "--extra-arg=-Wno-ignored-optimization-argument"]
 
 
 @cache
@@ -58,7 +58,7 @@ def check(entry: dict[str, str], build_dir: Path, passed: Path) -> str:
     stamp = passed / key_of(entry)
     if stamp.exists():
         return ""
-    command = ["clang-tidy", "-p", str(build_dir), *TIDY_ARGUMENTS, entry["file"]]
+    command = ["clang-tidy", "-p", str(build_dir), *QUIET, entry["file"]]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode == 0:
         stamp.touch()
