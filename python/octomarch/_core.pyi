@@ -3,15 +3,15 @@ of this package wrap them. Users need nothing from here.
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any, final
+from typing import Any, TypeAlias, final
 
 import numpy as np
 from numpy.typing import NDArray
 
-_Vec3 = tuple[float, float, float]
-_Vec3In = Sequence[float]
-_Floats = NDArray[np.floating[Any]]
-_Planes = dict[str, NDArray[Any]]
+_Vec3: TypeAlias = tuple[float, float, float]
+_Vec3In: TypeAlias = Sequence[float]
+_Floats: TypeAlias = NDArray[np.floating[Any]]
+_Planes: TypeAlias = dict[str, NDArray[Any]]
 
 class SceneError(RuntimeError): ...
 
@@ -37,6 +37,7 @@ def rotate(shape: Node, degrees: float, axis: _Vec3In) -> Node: ...
 def scale(shape: Node, factor: float) -> Node: ...
 def repeat(shape: Node, period: _Vec3In, counts: Sequence[int]) -> Node: ...
 def paint(shape: Node, material: Material) -> Node: ...
+
 @final
 class Material:
     def __init__(self, color: _Vec3In, roughness: float, specular: float, metallic: float) -> None: ...

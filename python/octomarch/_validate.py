@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import numbers
 from collections.abc import Iterable, Sequence
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,6 +19,7 @@ VectorLike: TypeAlias = Sequence[float] | NDArray[Any]
 ColorLike: TypeAlias = float | VectorLike
 AxisLike: TypeAlias = Literal["x", "y", "z"] | VectorLike
 Precision: TypeAlias = Literal["float32", "float64"]
+Name = TypeVar("Name", bound=str)
 
 _AXES: dict[str, Vec3] = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}
 
@@ -29,13 +30,18 @@ def shown(value: object) -> str:
     return text if len(text) <= 80 else text[:77] + "..."
 
 
+def is_number(value: object) -> bool:
+    """Tell whether `value` is one real number, and not an array or a truth value."""
+    return isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_))
+
+
 def number(name: str, value: object) -> float:
     """Return a real number as float; NaN and infinities pass."""
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
-    if isinstance(value, numbers.Real) and not isinstance(value, (bool, np.bool_)):
+    if is_number(value):
         try:
-            return float(value)
+            return float(value)  # type: ignore[arg-type]
         except OverflowError:
             raise ValueError(f"{name} must fit a float, got {shown(value)}") from None
     raise TypeError(f"{name} must be a number, got {shown(value)}")
@@ -132,7 +138,7 @@ def axis(name: str, value: object) -> Vec3:
 
 def color(name: str, value: object) -> Vec3:
     """Return a linear RGB colour with components ≥ 0; one number means grey."""
-    if isinstance(value, numbers.Real):
+    if is_number(value):
         grey = non_negative(name, value)
         return grey, grey, grey
     result = point(name, value)
@@ -150,7 +156,7 @@ def choice(name: str, value: object, options: Sequence[str | None]) -> Any:
     return value
 
 
-def planes(value: object, options: Sequence[str]) -> list[str]:
+def planes(value: object, options: Sequence[Name]) -> list[Name]:
     """Return the distinct names of `planes`, in the order of `options`; a single string is one name."""
     names = [value] if isinstance(value, str) else sequence("planes", value, "names of planes")
     for name in names:

@@ -38,9 +38,7 @@ class DirectionalLight:
 
     def __init__(self, direction: VectorLike, color: ColorLike = (1.0, 1.0, 1.0)) -> None:
         check.direction("direction", direction)
-        check.set_fields(
-            self, direction=check.vector("direction", direction), color=check.color("color", color)
-        )
+        check.set_fields(self, direction=check.vector("direction", direction), color=check.color("color", color))
 
     def _native(self) -> _core.Light:
         return _core.Light("directional", check.direction("direction", self.direction), self.color, 0)

@@ -6,6 +6,7 @@ queries, renders and the reference alike.
 
 from __future__ import annotations
 
+import sys
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Literal, TypeAlias
@@ -169,4 +170,4 @@ def _reach(program: Program, origins: np.ndarray[tuple[int, int], np.dtype[np.fl
         centre = np.mean(program.focus or ((0.0, 0.0, 0.0),), axis=0)
         away = np.linalg.norm(origins - centre, axis=1).max(initial=0.0)
         reach = 1000.0 * max(program.size, float(away))
-    return min(max(reach, np.finfo(np.float32).tiny), np.finfo(np.float64).max)
+    return min(max(reach, sys.float_info.min), sys.float_info.max)

@@ -65,7 +65,7 @@ def box(size: float | VectorLike, center: VectorLike = (0.0, 0.0, 0.0)) -> Shape
     >>> om.box((2, 4, 6)).distance([[0, 0, 0], [4, 0, 0]]).tolist()
     [-1.0, 3.0]
     """
-    edges = check.vector("size", (size,) * 3) if isinstance(size, (int, float)) else check.vector("size", size)
+    edges = (check.number("size", size),) * 3 if check.is_number(size) else check.vector("size", size)
     return _placed(_core.box(edges), center)
 
 
@@ -139,9 +139,7 @@ def cylinder(
     return _placed(_core.cylinder(check.number("radius", radius), length, check.axis("axis", axis)), center)
 
 
-def torus(
-    radius: float, tube_radius: float, axis: AxisLike = "y", center: VectorLike = (0.0, 0.0, 0.0)
-) -> Shape:
+def torus(radius: float, tube_radius: float, axis: AxisLike = "y", center: VectorLike = (0.0, 0.0, 0.0)) -> Shape:
     """Return a ring, exact inside and outside.
 
     Parameters

@@ -126,7 +126,7 @@ class Shape(Field):
         >>> om.sphere(1.0).translate(0, 2, 0) == om.sphere(1.0).translate((0, 2, 0))
         True
         """
-        if isinstance(x, (int, float, np.number)):
+        if check.is_number(x):
             offset = (check.number("x", x), check.number("y", y), check.number("z", z))
         else:
             offset = check.vector("offset", x)
@@ -172,9 +172,7 @@ class Shape(Field):
         """
         return Shape(_core.scale(self._node, check.number("factor", factor)))
 
-    def repeat(
-        self, period: float | Sequence[float | None], counts: int | Sequence[int | None] | None = None
-    ) -> Shape:
+    def repeat(self, period: float | Sequence[float | None], counts: int | Sequence[int | None] | None = None) -> Shape:
         """Return copies of the shape on a regular grid about the origin.
 
         Parameters

@@ -1,0 +1,180 @@
+"""Where a picture is taken from: look-at cameras, and the framing that stands in when there is none."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octomarch import _core
+from octomarch import _validate as check
+from octomarch._validate import Vec3, VectorLike
+from octomarch.program import Program
+
+Basis: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]
+
+_FRAMING_DIRECTION = (0.62, 0.5, 1.0)  # from the scene to the eye: to the right, above, in front
+_FRAMING_FOV = 35.0
+_FRAMING_MARGIN = 1.08
+
+
+@dataclass(frozen=True, init=False)
+class Camera:
+    """Perspective look-at camera.
+
+    With ``w = unit(target - eye)``, ``u = unit(w × up)`` and ``v = u × w`` the ray of the pixel (i, j) runs along
+    ``w + tan(fov/2) (s u + r v)``, ``s = (2 (i + ½) / width - 1) width / height``, ``r = 1 - 2 (j + ½) / height``.
+
+    Parameters
+    ----------
+    eye, target : sequence of three floats
+        World frame, scene units; they must differ.
+    up : sequence of three floats
+        Of any length but zero, not parallel to the view.
+    fov : float
+        Vertical field of view in degrees, inside (0, 180).
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of a wrong type, not finite or outside its range.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> camera = om.Camera(eye=(3, 2, 4), target=(0, 0, 0), fov=45)
+    >>> om.render(om.sphere(1.0), camera, size=(32, 24)).size
+    (32, 24)
+    """
+
+    eye: Vec3
+    target: Vec3
+    up: Vec3
+    fov: float
+
+    def __init__(
+        self, eye: VectorLike, target: VectorLike, up: VectorLike = (0.0, 1.0, 0.0), fov: float = 45.0
+    ) -> None:
+        _look_at(self, eye, target, up)
+        angle = check.finite("fov", fov)
+        if not 0 < angle < 180:
+            raise ValueError(f"fov must lie inside (0, 180) degrees, got {check.shown(fov)}")
+        check.set_fields(self, fov=angle)
+
+    def _native(self) -> _core.Camera:
+        return _core.Camera("perspective", self.eye, self.target, self.up, self.fov, 1.0)
+
+    def _ray_origins(self, size: tuple[int, int]) -> NDArray[np.float64]:
+        return np.array([self.eye])
+
+
+@dataclass(frozen=True, init=False)
+class OrthographicCamera:
+    """Look-at camera of parallel rays: no perspective, as in a technical drawing.
+
+    Parameters
+    ----------
+    eye, target : sequence of three floats
+        World frame, scene units; they must differ. Rays start in the plane through the eye, so it should lie in
+        front of all that is to be seen.
+    up : sequence of three floats
+        Of any length but zero, not parallel to the view.
+    height : float
+        Of the picture in scene units, > 0.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of a wrong type, not finite or outside its range.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> above = om.OrthographicCamera(eye=(0, 9, 0), target=(0, 0, 0), up=(0, 0, -1), height=4)
+    >>> image = om.render(om.sphere(1.0), above, size=(32, 32), planes=("depth",))
+    >>> round(float(image.depth.min()), 1)
+    8.0
+    """
+
+    eye: Vec3
+    target: Vec3
+    up: Vec3
+    height: float
+
+    def __init__(
+        self, eye: VectorLike, target: VectorLike, up: VectorLike = (0.0, 1.0, 0.0), height: float = 2.0
+    ) -> None:
+        _look_at(self, eye, target, up)
+        check.set_fields(self, height=check.positive("height", height))
+
+    def _native(self) -> _core.Camera:
+        return _core.Camera("orthographic", self.eye, self.target, self.up, 45.0, self.height)
+
+    def _ray_origins(self, size: tuple[int, int]) -> NDArray[np.float64]:
+        """Return the corners of the plane from which rays start."""
+        right, above, _ = axes(self)
+        s, r = self.height / 2 * size[0] / size[1], self.height / 2
+        return np.array([np.array(self.eye) + i * s * right + j * r * above for i in (-1, 1) for j in (-1, 1)])
+
+
+AnyCamera: TypeAlias = Camera | OrthographicCamera
+
+
+def framing(program: Program, size: tuple[int, int]) -> Camera:
+    """Return the camera that sees the focus of a program from the front right, above, as large as fits.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> framing(om.compile(om.sphere(1.0)), (640, 480)).target
+    (0.0, 0.0, 0.0)
+    """
+    if program.focus is None:
+        lo, hi = np.full(3, -0.5), np.full(3, 0.5)
+    else:
+        lo, hi = (np.array(corner) for corner in program.focus)
+    centre = (lo + hi) / 2
+    half = (hi - lo) / 2 if np.any(hi > lo) else np.full(3, 0.5)
+    towards_eye = np.array(check.direction("direction", _FRAMING_DIRECTION))
+    basis = np.stack(_basis(tuple(towards_eye), (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * half @ basis.T
+    tangent = math.tan(math.radians(_FRAMING_FOV / 2))
+    # A corner at depth z along the view lies in the picture when |x| and |y| are at most tangent·(distance + z).
+    needed = np.maximum(np.abs(corners[:, 0]) / (tangent * size[0] / size[1]), np.abs(corners[:, 1]) / tangent)
+    distance = float(np.max(_FRAMING_MARGIN * needed - corners[:, 2]))
+    x, y, z = (float(value) for value in centre + distance * towards_eye)
+    return Camera((x, y, z), tuple(centre.tolist()), fov=_FRAMING_FOV)
+
+
+def _look_at(camera: AnyCamera, eye: VectorLike, target: VectorLike, up: VectorLike) -> None:
+    """Set eye, target and up of a camera, which must span a frame."""
+    position, aim, above = check.point("eye", eye), check.point("target", target), check.point("up", up)
+    view = np.subtract(aim, position)
+    if not view.any():
+        raise ValueError(f"target must differ from eye, got {check.shown(target)} for both")
+    check.direction("up", above)
+    frame = np.linalg.norm(np.cross(check.direction("view", view), check.direction("up", above)))
+    if frame < 1e-9:
+        raise ValueError(f"up must not be parallel to the view from eye to target, got {check.shown(up)}")
+    check.set_fields(camera, eye=position, target=aim, up=above)
+
+
+def axes(camera: AnyCamera) -> Basis:
+    """Return the unit vectors to the right, up and along the view of a camera.
+
+    Examples
+    --------
+    >>> right, above, along = axes(Camera(eye=(0, 0, 3), target=(0, 0, 0)))
+    >>> right.tolist(), along.tolist()
+    ([1.0, 0.0, 0.0], [0.0, 0.0, -1.0])
+    """
+    return _basis(camera.eye, camera.target, camera.up)
+
+
+def _basis(eye: Vec3, target: Vec3, up: Vec3) -> Basis:
+    along = np.array(check.direction("view", np.subtract(target, eye)))
+    right = np.array(check.direction("up", np.cross(along, check.direction("up", up))))
+    return right, np.cross(right, along), along

@@ -1,0 +1,88 @@
+"""The two demo scenes, used by ``octomarch demo`` and by whoever wants something to render.
+
+``blend`` shows what one sphere and one box make under each operator; ``building`` is a tower of floors and columns
+cut from one box.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from octomarch.camera import Camera
+from octomarch.lights import DirectionalLight, PointLight, Sky
+from octomarch.materials import Material
+from octomarch.primitives import box, cylinder, plane, sphere
+from octomarch.scene import Scene
+from octomarch.shapes import Shape
+
+
+@dataclass(frozen=True)
+class Demo:
+    """A scene and the camera to see it with.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> from octomarch.demo import DEMOS
+    >>> demo = DEMOS["blend"]()
+    >>> om.render(demo.scene, demo.camera, size=(32, 18)).size
+    (32, 18)
+    """
+
+    scene: Scene
+    camera: Camera
+
+
+def blend() -> Demo:
+    """Return a sphere and a box blended, united, intersected and subtracted, side by side on a floor.
+
+    Examples
+    --------
+    >>> len(blend().scene.lights)
+    2
+    """
+    ball = sphere(1.0)
+    cube = box(1.5).translate(0.9, 0.3, 0)
+    results = {
+        -4.8: ball.union(cube, smooth=0.25).paint(Material((0.80, 0.30, 0.12), roughness=0.35, specular=0.4)),
+        -1.6: (ball | cube).paint(Material((0.08, 0.32, 0.36), roughness=0.4)),
+        1.6: (ball & cube).paint(Material((0.78, 0.55, 0.16), roughness=0.3, metallic=0.6)),
+        4.8: (ball - cube).paint(Material((0.42, 0.12, 0.20), roughness=0.45)),
+    }
+    floor = plane(normal=(0, 1, 0), point=(0, -1, 0)).paint(Material((0.52, 0.50, 0.47), roughness=0.9, specular=0.05))
+    row = [shape.translate(x, 0, 0) for x, shape in results.items()]
+    scene = Scene(
+        floor.union(*row),
+        sky=Sky(toward=(0.02, 0.12, 0.30), away=0.02, base=(0.58, 0.62, 0.66)),
+        ambient=(0.16, 0.18, 0.22),
+        lights=[
+            DirectionalLight(direction=(0.6, -1.0, -0.55), color=(0.95, 0.88, 0.78)),
+            PointLight(position=(9, 5, 8), color=(16, 20, 26)),
+        ],
+    )
+    return Demo(scene, Camera(eye=(2.2, 4.6, 13.5), target=(0.2, -0.1, 0), fov=32))
+
+
+def building() -> Demo:
+    """Return a tower hollowed by repeated windows and one shaft, on a floor.
+
+    Examples
+    --------
+    >>> building().camera.eye
+    (9.0, 4.0, 12.0)
+    """
+    windows = box((0.6, 0.8, 0.6)).repeat((1, 1.5, 1))
+    tower: Shape = box((4, 12, 4)) - windows - cylinder(1.2)
+    floor = plane(normal=(0, 1, 0), point=(0, -6, 0))
+    scene = Scene(
+        tower.paint(Material((0.72, 0.62, 0.50), roughness=0.8, specular=0.08))
+        | floor.paint(Material((0.34, 0.36, 0.33), roughness=1.0, specular=0.0)),
+        sky=Sky(toward=(0.02, 0.12, 0.32), away=0.02, base=(0.62, 0.66, 0.70)),
+        ambient=(0.17, 0.20, 0.25),
+        lights=[DirectionalLight(direction=(-1.0, -1.1, -0.45), color=(1.0, 0.90, 0.74))],
+    )
+    return Demo(scene, Camera(eye=(9, 4, 12), target=(0, 0, 0), fov=45))
+
+
+DEMOS: dict[str, Callable[[], Demo]] = {"blend": blend, "building": building}

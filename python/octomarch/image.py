@@ -1,0 +1,200 @@
+"""`Image`: the planes of a rendered picture, and how they are shown and saved.
+
+`render` makes images, `exr.read_exr` reads them back; colours are linear in memory and in EXR, sRGB in PNG.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Never
+
+import numpy as np
+from numpy.typing import NDArray
+
+from octomarch import _validate as check
+from octomarch._files import atomic
+from octomarch.planes import PLANES, PlaneName
+from octomarch.queries import Floats
+
+
+class Image:
+    """Planes of a picture, each an array of shape (height, width) or (height, width, 3), row 0 at the top.
+
+    A plane that was not rendered raises `AttributeError` that says how to ask for it.
+
+    Parameters
+    ----------
+    planes : mapping of str to ndarray
+        At least one, named as the attributes below.
+    stats, metadata : mapping, optional
+        What the render counted, and what it was made from.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If a name is unknown, or an array has a wrong shape or type.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> image = om.render(om.sphere(1.0), size=(64, 48), planes=("color", "depth"))
+    >>> image
+    <Image 64×48: color, depth>
+    >>> image.normal
+    Traceback (most recent call last):
+    AttributeError: normal was not rendered: add 'normal' to planes=... of om.render()
+    """
+
+    color: Floats
+    """Linear RGB (height, width, 3)."""
+    depth: Floats
+    """Distance along the ray (height, width) in scene units; +inf where nothing is met."""
+    position: Floats
+    """Points met (height, width, 3), world frame; 0 where nothing is met."""
+    normal: Floats
+    """Unit normals (height, width, 3), world frame, outward; 0 where nothing is met."""
+    object_id: NDArray[np.int32]
+    """Index in `Program.objects` (height, width); -1 where nothing is met."""
+    material_id: NDArray[np.int32]
+    """Index in `Program.materials` (height, width); -1 where nothing is met."""
+    steps: NDArray[np.int32]
+    """Evaluations of the field spent on each primary ray (height, width)."""
+    status: NDArray[np.uint8]
+    """What became of each primary ray (height, width): see `Status`."""
+    planes: tuple[PlaneName, ...]
+    """Names of the planes that there are."""
+    size: tuple[int, int]
+    """(width, height)."""
+    stats: dict[str, Any]
+    """Rays, evaluations, packets, occupancy, seconds per stage."""
+    metadata: dict[str, Any]
+    """Scene, camera, settings and version that made the picture."""
+
+    def __init__(
+        self,
+        planes: Mapping[PlaneName, NDArray[Any]],
+        *,
+        stats: Mapping[str, Any] | None = None,
+        metadata: Mapping[str, Any] | None = None,
+    ) -> None:
+        arrays = {name: _plane(name, planes[name]) for name in check.planes(list(planes), tuple(PLANES))}
+        if not arrays:
+            raise ValueError("planes must hold at least one plane, got none")
+        extents = {array.shape[:2] for array in arrays.values()}
+        if len(extents) > 1:
+            raise ValueError(f"planes must have one (height, width), got {sorted(extents)}")
+        height, width = extents.pop()
+        self.size = (int(width), int(height))
+        self.planes = tuple(arrays)
+        self.stats = dict(stats or {})
+        self.metadata = dict(metadata or {})
+        for name, array in arrays.items():
+            setattr(self, name, array)
+
+    def __getattr__(self, name: str) -> Never:
+        if name in PLANES:
+            raise AttributeError(f"{name} was not rendered: add {name!r} to planes=... of om.render()")
+        raise AttributeError(f"Image has no attribute {name!r}")
+
+    def __repr__(self) -> str:
+        return f"<Image {self.size[0]}×{self.size[1]}: {', '.join(self.planes)}>"
+
+    def to_srgb(self) -> NDArray[np.uint8]:
+        """Return the colours as 8-bit sRGB, shape (height, width, 3): clipped to [0, 1] and rounded to nearest.
+
+        Examples
+        --------
+        >>> import numpy as np, octomarch as om
+        >>> om.Image({"color": np.full((1, 1, 3), 0.5)}).to_srgb().tolist()
+        [[[188, 188, 188]]]
+        """
+        color = np.nan_to_num(np.asarray(self.color, dtype=np.float32), nan=0.0)
+        return np.searchsorted(_SRGB_STEPS, color, side="right").astype(np.uint8)
+
+    def to_png_bytes(self) -> bytes:
+        """Return the colours as a PNG file of 8-bit sRGB.
+
+        Examples
+        --------
+        >>> import octomarch as om
+        >>> om.render(om.sphere(1.0), size=(32, 24)).to_png_bytes()[1:4]
+        b'PNG'
+        """
+        import PIL.Image  # here, since it takes longer to import than all the rest
+        import PIL.PngImagePlugin
+
+        chunks = PIL.PngImagePlugin.PngInfo()
+        chunks.add(b"sRGB", b"\0")  # perceptual intent: tells viewers which curve these bytes follow
+        buffer = io.BytesIO()
+        PIL.Image.fromarray(self.to_srgb()).save(buffer, format="PNG", pnginfo=chunks)
+        return buffer.getvalue()
+
+    def _repr_png_(self) -> bytes | None:
+        return self.to_png_bytes() if "color" in self.planes else None
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Save as OpenEXR (all planes and how they were made) or PNG (the colours), by the suffix of `path`.
+
+        The file appears whole or not at all: an interrupted or failed save leaves what was there before.
+
+        Parameters
+        ----------
+        path : str or path-like
+            Ends in ``.exr`` or ``.png``.
+
+        Raises
+        ------
+        ValueError
+            If the suffix is another.
+        AttributeError
+            If a PNG is asked for and the colours were not rendered.
+        OSError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> import octomarch as om, pathlib, tempfile
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     om.render(om.sphere(1.0), size=(32, 24)).save(pathlib.Path(folder, "ball.png"))
+        """
+        suffix = Path(os.fspath(path)).suffix.lower()
+        if suffix == ".exr":
+            from octomarch.exr import write_exr  # here, since exr builds on this module
+
+            write_exr(path, self)
+        elif suffix == ".png":
+            data = self.to_png_bytes()
+            with atomic(path) as temporary:
+                temporary.write_bytes(data)
+        else:
+            raise ValueError(f"path must end in .exr or .png, got {check.shown(os.fspath(path))}")
+
+
+def _plane(name: PlaneName, value: NDArray[Any]) -> NDArray[Any]:
+    """Return `value` in the type of the plane, once its shape is found right."""
+    plane, array = PLANES[name], np.asarray(value)
+    components = array.shape[2:]
+    if array.ndim < 2 or 0 in array.shape or components != ((3,) if len(plane.channels) == 3 else ()):
+        expected = "(height, width, 3)" if len(plane.channels) == 3 else "(height, width)"
+        raise ValueError(f"{name} must have shape {expected}, got {array.shape}")
+    if array.dtype.kind not in ("fiu" if plane.is_float else "iu"):
+        raise TypeError(f"{name} must hold {plane.dtype} numbers, got dtype {array.dtype}")
+    if plane.is_float:
+        return array if array.dtype in (np.float32, np.float64) else array.astype(np.float32)
+    limits = np.iinfo(plane.dtype)
+    lowest, highest = max(int(limits.min), -plane.stored_offset), limits.max
+    if array.min() < lowest or array.max() > highest:
+        raise ValueError(f"{name} must lie in [{lowest}, {highest}], got {array.min()} to {array.max()}")
+    return array.astype(plane.dtype, copy=False)
+
+
+def _srgb_steps() -> NDArray[np.float32]:
+    """Return the linear values at which the 8-bit sRGB code rises by one, from the curve of IEC 61966-2-1."""
+    encoded = (np.arange(255) + 0.5) / 255
+    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4).astype(np.float32)
+
+
+_SRGB_STEPS = _srgb_steps()

@@ -1,0 +1,186 @@
+"""`render`: from a shape or a scene to an `image.Image`.
+
+Everything a picture needs is resolved here (program, camera, march, shading) and handed to the native renderer, which
+marches and shades packets of rays, tile by tile, over all cores.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any, TypeAlias
+
+from octomarch import _core
+from octomarch import _validate as check
+from octomarch._validate import Precision
+from octomarch.camera import AnyCamera, Camera, OrthographicCamera, axes, framing
+from octomarch.image import Image
+from octomarch.lights import DirectionalLight
+from octomarch.march import March
+from octomarch.planes import PLANES, PlaneName
+from octomarch.program import Program, compile
+from octomarch.scene import Scene
+from octomarch.shading import Shading
+from octomarch.shapes import Shape
+
+Progress: TypeAlias = Callable[[int, int], None]
+
+_LISTED_AT_MOST = 400  # instructions: beyond that a listing would outweigh the picture it is saved with
+
+
+def render(
+    scene: Shape | Scene,
+    camera: AnyCamera | None = None,
+    size: tuple[int, int] = (640, 480),
+    *,
+    march: March | None = None,
+    shading: Shading | None = None,
+    planes: PlaneName | Sequence[PlaneName] = ("color",),
+    precision: Precision = "float32",
+    threads: int | None = None,
+    isa: str | None = None,
+    progress: bool | Progress | None = None,
+) -> Image:
+    """Render a picture.
+
+    Parameters
+    ----------
+    scene : Shape or Scene
+        A shape alone is lit by one light over the camera's left shoulder, some ambient light, and the default sky.
+    camera : Camera or OrthographicCamera, optional
+        None: one that frames the bounded parts of the shape, from the front right and above.
+    size : (int, int)
+        Width and height in pixels, 2²⁸ of them at the most.
+    march : March, optional
+        How rays find the surface; None for the defaults.
+    shading : Shading, optional
+        How surfaces are lit; None for the defaults.
+    planes : sequence of str
+        What to compute, of ``color depth position normal object_id material_id steps status``. Each costs only when
+        it is asked for.
+    precision : {"float32", "float64"}
+        Arithmetic, and type of the planes of floats.
+    threads : int, optional
+        Threads at the most; None for all cores. The picture does not depend on it.
+    isa : str, optional
+        One of `octomarch.isas`; None for the best, or what the environment's OCTOMARCH_ISA says.
+    progress : bool or callable, optional
+        True shows a bar; a callable gets (tiles done, tiles in all) from time to time.
+
+    Returns
+    -------
+    Image
+        With the planes asked for as attributes.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of a wrong type or outside its range; an unknown name is answered with those there are.
+    SceneError
+        If the shape cannot be compiled.
+    KeyboardInterrupt
+        Ctrl-C stops a render at once.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> image = om.render(om.sphere(1.0) - om.box(1.2), size=(64, 48), planes=("color", "depth"))
+    >>> image.color.shape, image.depth.dtype
+    ((48, 64, 3), dtype('float32'))
+    """
+    width, height = check.size(size)
+    names = check.planes(planes, tuple(PLANES))
+    if not names:
+        raise ValueError("planes must name at least one plane, got none")
+    options = check.precision(precision), check.threads(threads), check.isa(isa)
+    march, shading = _or_default(March, "march", march), _or_default(Shading, "shading", shading)
+    program = compile(scene)
+    if camera is None:
+        camera = framing(program, (width, height))
+    elif not isinstance(camera, (Camera, OrthographicCamera)):
+        raise TypeError(f"camera must be an om.Camera or om.OrthographicCamera, got {check.shown(camera)}")
+    if isinstance(scene, Shape):
+        scene = lit_by_default(scene, camera)
+    march = march.resolve(program, camera._ray_origins((width, height)))
+    shading = shading.resolve(program)
+    with _reporting(progress) as report:
+        arrays, stats = _core.render(
+            program._native,
+            scene._native(),
+            camera._native(),
+            march._native(),
+            shading._native(),
+            width,
+            height,
+            names,
+            *options,
+            report,
+        )
+    settings = {"size": (width, height), "planes": names, "precision": options[0]}
+    metadata = {
+        "scene": _description(scene, program),
+        "camera": _fields(camera),
+        "march": _fields(march),
+        "shading": _fields(shading),
+        "render": settings,
+    }
+    return Image({name: arrays[name] for name in PLANES if name in names}, stats=stats, metadata=metadata)
+
+
+def lit_by_default(shape: Shape, camera: AnyCamera) -> Scene:
+    """Return a scene of `shape` under one light that comes over the left shoulder of whoever looks.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> len(lit_by_default(om.sphere(1.0), om.Camera((0, 0, 4), (0, 0, 0))).lights)
+    1
+    """
+    right, above, along = axes(camera)
+    return Scene(shape, ambient=0.25, lights=[DirectionalLight(along + 0.7 * right - 1.0 * above, 0.85)])
+
+
+def _or_default(kind: type[Any], name: str, value: object) -> Any:
+    if value is None:
+        return kind()
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} must be an om.{kind.__name__}, got {check.shown(value)}")
+    return value
+
+
+@contextmanager
+def _reporting(progress: bool | Progress | None) -> Iterator[Progress | None]:
+    """Give what the native renderer calls with (tiles done, tiles in all)."""
+    if progress is None or progress is False:
+        yield None
+    elif progress is True:
+        import tqdm  # here, since most renders show no bar
+
+        with tqdm.tqdm(desc="render", unit="tile", leave=False) as bar:
+
+            def report(done: int, total: int) -> None:
+                bar.total = total
+                bar.update(done - bar.n)
+
+            yield report
+    elif callable(progress):
+        yield progress
+    else:
+        raise TypeError(f"progress must be True, a callable or None, got {check.shown(progress)}")
+
+
+def _description(scene: Scene, program: Program) -> dict[str, Any]:
+    """Return what a scene is, as plain data and not too long."""
+    small = program.instructions + program.attribute_instructions <= _LISTED_AT_MOST
+    return {
+        "listing": str(program) if small else f"{program.instructions} instructions, not listed",
+        "materials": [_fields(material) for material in program.materials] if small else [],
+        "lights": [_fields(light) for light in scene.lights],
+        "sky": _fields(scene.sky),
+        "ambient": scene.ambient,
+    }
+
+
+def _fields(instance: Any) -> dict[str, Any]:
+    return {"type": type(instance).__name__, **dataclasses.asdict(instance)}

@@ -1,0 +1,64 @@
+"""`Scene`: a shape together with what lights it. `render` takes it, with a camera, to make a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from octomarch import _core
+from octomarch import _validate as check
+from octomarch._validate import ColorLike, Vec3
+from octomarch.lights import DirectionalLight, Light, PointLight, Sky
+from octomarch.shapes import Shape
+
+
+@dataclass(frozen=True, init=False)
+class Scene:
+    """What a picture is of.
+
+    Parameters
+    ----------
+    shape : Shape
+        All that can be seen; its paints are its materials.
+    sky : Sky
+        Seen by rays that hit nothing.
+    ambient : float or sequence of three floats
+        Light from all sides, linear RGB ≥ 0, dimmed by ambient occlusion; one number means grey.
+    lights : iterable of DirectionalLight or PointLight
+        Kept as a tuple. Each costs a shadow ray for each point that it may reach.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of a wrong type or outside its range.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> sun = om.DirectionalLight(direction=(-1, -2, -1))
+    >>> scene = om.Scene(om.sphere(1.0), ambient=0.2, lights=[sun])
+    >>> scene.ambient, len(scene.lights)
+    ((0.2, 0.2, 0.2), 1)
+    """
+
+    shape: Shape
+    sky: Sky
+    ambient: Vec3
+    lights: tuple[Light, ...]
+
+    def __init__(
+        self, shape: Shape, sky: Sky | None = None, ambient: ColorLike = 0.1, lights: Iterable[Light] = ()
+    ) -> None:
+        if not isinstance(shape, Shape):
+            raise TypeError(f"shape must be an om.Shape, got {check.shown(shape)}")
+        sky = Sky() if sky is None else sky
+        if not isinstance(sky, Sky):
+            raise TypeError(f"sky must be an om.Sky, got {check.shown(sky)}")
+        sources = check.sequence("lights", lights, "a sequence of lights")
+        for light in sources:
+            if not isinstance(light, (DirectionalLight, PointLight)):
+                raise TypeError(f"lights must be om.DirectionalLight or om.PointLight, got {check.shown(light)}")
+        check.set_fields(self, shape=shape, sky=sky, ambient=check.color("ambient", ambient), lights=tuple(sources))
+
+    def _native(self) -> _core.Scene:
+        return _core.Scene([light._native() for light in self.lights], self.sky._native(), self.ambient)
