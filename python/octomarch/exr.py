@@ -133,7 +133,7 @@ def _read(path: str, layout: Layout) -> tuple[dict[str, Any], dict[str, NDArray[
             header = dict(file.header())
             channels = {name: channel.pixels for name, channel in file.channels().items()}
     except (RuntimeError, ValueError, TypeError, MemoryError) as error:
-        raise OSError(f"{path}: damaged EXR file: {error}") from error
+        raise OSError(f"{path}: damaged EXR file: it cannot be decoded ({error})") from error
     kinds = {"uint": np.uint32, "half": np.float16, "float": np.float32}
     for name, kind in layout.channels.items():
         pixels = channels.get(name)
@@ -147,7 +147,7 @@ def _document(path: str, header: Mapping[str, Any]) -> dict[str, Any]:
     try:
         document = json.loads(text)
     except (ValueError, TypeError) as error:
-        raise OSError(f"{path}: damaged EXR file: the attribute {_ATTRIBUTE!r} is no JSON: {error}") from error
+        raise OSError(f"{path}: damaged EXR file: the attribute {_ATTRIBUTE!r} is no JSON ({error})") from error
     if not isinstance(document, dict) or not all(
         isinstance(document.get(key, {}), dict) for key in ("metadata", "stats", "crc32")
     ):
