@@ -1,0 +1,80 @@
+// J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996, with a tolerance that grows with the ray, and a secant
+// step at the end. See march.hpp.
+#include "octomarch/reference/march.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace octomarch::reference {
+namespace {
+
+template <class T>
+T largest_magnitude(const Vector<T>& v) {
+  return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
+
+/// The root of the line through the last two samples, not farther than 32 radii ahead. Where the later sample is not the
+/// smaller, as when the tolerance has grown past a constant distance, no root is near.
+template <class T>
+T secant_step(T previous, T radius) {
+  if (!(previous > radius)) return T(0);
+  return std::min(radius * previous / (previous - radius), T(32) * std::max(radius, T(0)));
+}
+
+template <class T>
+Vector<T> central_differences(Evaluator<T>& field, const Vector<T>& p, T step) {
+  Vector<T> difference(0);
+  for (int axis = 0; axis < 3; ++axis) {
+    Vector<T> offset(0);
+    offset[axis] = step;
+    difference[axis] = field.distance(p + offset) - field.distance(p - offset);
+  }
+  return difference;
+}
+
+}  // namespace
+
+template <class T>
+T MarchLimits<T>::hit_epsilon(const Ray<T>& ray, T t) const {
+  const T rounding = T(16) * kUnitRoundoff<T> * std::max(largest_magnitude(ray.origin), t);
+  return std::max({epsilon, rounding, pixel_tolerance * (ray.pixel_radius + ray.pixel_slope * t)});
+}
+
+template <class T>
+Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
+  constexpr T kNowhere = std::numeric_limits<T>::infinity();
+  if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vector<T>(0)) return {};
+  T t = T(0);
+  T previous = T(0);
+  for (int steps = 1; steps <= limits.max_steps; ++steps) {
+    const T radius = field.distance(ray.origin + ray.direction * t) / limits.lipschitz;
+    if (std::isnan(radius)) return {Status::kInvalid, kNowhere, steps};
+    if (radius < limits.hit_epsilon(ray, t)) {
+      if (t == T(0)) return {Status::kInside, T(0), steps};
+      const T step = limits.secant_finish ? secant_step(previous, radius) : T(0);
+      return {Status::kHit, std::min(t + step, limits.t_max), steps};
+    }
+    t += radius;
+    if (t > limits.t_max) return {Status::kMiss, kNowhere, steps};
+    previous = radius;
+  }
+  return {Status::kStepLimit, t, limits.max_steps};
+}
+
+template <class T>
+Surface<T> surface_at(Evaluator<T>& field, const Ray<T>& ray, const Arrival<T>& arrival, T step) {
+  if (!has_surface(arrival.status)) return {};
+  const Vector<T> position = ray.origin + ray.direction * arrival.t;
+  const Vector<T> gradient = step > T(0) ? central_differences(field, position, step) : field.gradient(position);
+  const Vector<T> normal = is_finite(gradient) ? direction_of(gradient) : Vector<T>(0);
+  return {position, normal == Vector<T>(0) ? -ray.direction : normal, field.material(position)};
+}
+
+template struct MarchLimits<float>;
+template struct MarchLimits<double>;
+template Arrival<float> march_ray(Evaluator<float>&, const Ray<float>&, const MarchLimits<float>&);
+template Arrival<double> march_ray(Evaluator<double>&, const Ray<double>&, const MarchLimits<double>&);
+template Surface<float> surface_at(Evaluator<float>&, const Ray<float>&, const Arrival<float>&, float);
+template Surface<double> surface_at(Evaluator<double>&, const Ray<double>&, const Arrival<double>&, double);
+
+}  // namespace octomarch::reference

@@ -1,0 +1,74 @@
+// Sphere tracing of one ray, one step at a time, and the surface where it ends. The evaluator comes before it; shading
+// and the queries come after.
+#pragma once
+
+#include <limits>
+
+#include "octomarch/graph/scene.hpp"
+#include "octomarch/reference/evaluate.hpp"
+
+namespace octomarch::reference {
+
+/// A ray whose direction has unit length, and how wide its pixel is: half its height at parameter t is
+/// pixel_radius + pixel_slope·t, both 0 where there is no pixel.
+template <class T>
+struct Ray {
+  Vector<T> origin;
+  Vector<T> direction;
+  T pixel_radius = T(0);
+  T pixel_slope = T(0);
+};
+
+/// Half an ulp of 1: u in the hit epsilon of March.
+template <class T>
+constexpr T kUnitRoundoff = std::numeric_limits<T>::epsilon() / T(2);
+
+/// The settings of a march in the precision it runs in. `t_max` counts along unit directions.
+template <class T>
+struct MarchLimits {
+  int max_steps;
+  T epsilon;
+  T pixel_tolerance;
+  T t_max;
+  T lipschitz;
+  bool secant_finish;
+
+  MarchLimits(const March& march, double lipschitz_bound)
+      : max_steps(march.max_steps),
+        epsilon(T(march.epsilon)),
+        pixel_tolerance(T(march.pixel_tolerance)),
+        t_max(T(march.max_distance)),
+        lipschitz(T(lipschitz_bound)),
+        secant_finish(march.secant_finish) {}
+
+  /// The hit epsilon at parameter t of a ray; see March.
+  T hit_epsilon(const Ray<T>& ray, T t) const;
+};
+
+template <class T>
+struct Arrival {
+  Status status = Status::kInvalid;
+  T t = std::numeric_limits<T>::infinity();
+  int steps = 0;  ///< evaluations made
+};
+
+/// A point of the surface, or zeros and −1 where a ray found none.
+template <class T>
+struct Surface {
+  Vector<T> position = Vector<T>(0);
+  Vector<T> normal = Vector<T>(0);
+  int material = -1;
+};
+
+/// True for rays that found a surface, or may have: those that have a position, a normal and ids.
+constexpr bool has_surface(Status status) { return status == Status::kHit || status == Status::kStepLimit; }
+
+/// Marches one ray by steps of field / lipschitz. A ray that is not finite, or has no direction, is kInvalid.
+template <class T>
+Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits);
+
+/// How `normal` is found: analytically, or by central differences with half-step `step` where step > 0.
+template <class T>
+Surface<T> surface_at(Evaluator<T>& field, const Ray<T>& ray, const Arrival<T>& arrival, T step);
+
+}  // namespace octomarch::reference

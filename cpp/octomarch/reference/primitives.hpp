@@ -1,0 +1,124 @@
+// Closed forms of the primitives' distances and of their gradients, in scalar GLM. The evaluator calls them at the
+// leaves of the node graph. Written apart from the kernels' operators, so that the two can disagree.
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "octomarch/graph/node.hpp"
+#include "octomarch/reference/vector.hpp"
+
+namespace octomarch::reference {
+
+/// Parameters first, first + 1 and first + 2 of a node.
+template <class T>
+Vector<T> vector_parameter(const Node& node, std::size_t first) {
+  return {T(node.parameter(first)), T(node.parameter(first + 1)), T(node.parameter(first + 2))};
+}
+
+/// +1 from zero upwards, else −1: the derivative of |x|, with the side at 0 that has one.
+template <class T>
+T slope_of_abs(T x) {
+  return x < T(0) ? T(-1) : T(1);
+}
+
+/// A point relative to a coordinate axis: how far from it, how far along it, and the unit vectors of both.
+template <class T>
+struct AxialPoint {
+  T radial;
+  T axial;
+  Vector<T> outward;
+  Vector<T> along;
+
+  AxialPoint(const Vector<T>& p, double axis_number) {
+    const auto axis = static_cast<int>(axis_number);
+    Vector<T> across = p;
+    across[axis] = T(0);
+    radial = glm::length(across);
+    axial = p[axis];
+    outward = direction_of(across);
+    along = Vector<T>(0);
+    along[axis] = T(1);
+  }
+};
+
+/// Exact distance to a box from q = |p| − half size.
+template <class T>
+T box_distance(const Vector<T>& q) {
+  return glm::length(glm::max(q, T(0))) + glm::min(glm::max(q.x, glm::max(q.y, q.z)), T(0));
+}
+
+/// Gradient of box_distance with respect to q. Inside and on the faces it is that of the largest component, the last of
+/// equal ones: the axis of a cylinder comes after its radius, which has no direction on the axis.
+template <class T>
+Vector<T> box_gradient(const Vector<T>& q) {
+  const Vector<T> outside = glm::max(q, T(0));
+  if (outside != Vector<T>(0)) return direction_of(outside);
+  if (q.z >= q.x && q.z >= q.y) return {T(0), T(0), T(1)};
+  if (q.y >= q.x) return {T(0), T(1), T(0)};
+  return {T(1), T(0), T(0)};
+}
+
+/// A capped cylinder is a rectangle in (radial, axial): a box that is endless along its first axis.
+template <class T>
+Vector<T> cylinder_sides(const Node& node, const AxialPoint<T>& at) {
+  return {-std::numeric_limits<T>::infinity(), at.radial - T(node.parameter(0)),
+          std::abs(at.axial) - T(node.parameter(1))};
+}
+
+/// From the nearest point of the segment a–b to p.
+template <class T>
+Vector<T> from_segment(const Node& node, const Vector<T>& p) {
+  const Vector<T> a = vector_parameter<T>(node, 0);
+  const Vector<T> ab = vector_parameter<T>(node, 3) - a;
+  const T squared = glm::dot(ab, ab);
+  const T fraction = squared > 0 ? glm::clamp(glm::dot(p - a, ab) / squared, T(0), T(1)) : T(0);
+  return p - (a + ab * fraction);
+}
+
+/// Signed distance from p to a primitive, scene units. Contract: `node` is a primitive.
+template <class T>
+T primitive_distance(const Node& node, const Vector<T>& p) {
+  switch (node.kind()) {
+    case NodeKind::kSphere: return glm::length(p) - T(node.parameter(0));
+    case NodeKind::kBox: return box_distance(glm::abs(p) - vector_parameter<T>(node, 0));
+    case NodeKind::kPlane: return glm::dot(vector_parameter<T>(node, 0), p) + T(node.parameter(3));
+    case NodeKind::kCylinder: return AxialPoint<T>(p, node.parameter(1)).radial - T(node.parameter(0));
+    case NodeKind::kCappedCylinder: return box_distance(cylinder_sides(node, AxialPoint<T>(p, node.parameter(2))));
+    case NodeKind::kTorus: {
+      const AxialPoint<T> at(p, node.parameter(2));
+      return glm::length(Vector2<T>(at.radial - T(node.parameter(0)), at.axial)) - T(node.parameter(1));
+    }
+    case NodeKind::kCapsule: return glm::length(from_segment(node, p)) - T(node.parameter(6));
+    default: return std::numeric_limits<T>::quiet_NaN();
+  }
+}
+
+/// Gradient of primitive_distance: a unit vector, or zero where no direction is nearest (a centre, an axis).
+template <class T>
+Vector<T> primitive_gradient(const Node& node, const Vector<T>& p) {
+  switch (node.kind()) {
+    case NodeKind::kSphere: return direction_of(p);
+    case NodeKind::kBox: {
+      const Vector<T> slopes(slope_of_abs(p.x), slope_of_abs(p.y), slope_of_abs(p.z));
+      return slopes * box_gradient(glm::abs(p) - vector_parameter<T>(node, 0));
+    }
+    case NodeKind::kPlane: return vector_parameter<T>(node, 0);
+    case NodeKind::kCylinder: return AxialPoint<T>(p, node.parameter(1)).outward;
+    case NodeKind::kCappedCylinder: {
+      const AxialPoint<T> at(p, node.parameter(2));
+      const Vector<T> sides = box_gradient(cylinder_sides(node, at));
+      return at.outward * sides.y + at.along * (sides.z * slope_of_abs(at.axial));
+    }
+    case NodeKind::kTorus: {
+      const AxialPoint<T> at(p, node.parameter(2));
+      const Vector2<T> ring = direction_of(Vector2<T>(at.radial - T(node.parameter(0)), at.axial));
+      return at.outward * ring.x + at.along * ring.y;
+    }
+    case NodeKind::kCapsule: return direction_of(from_segment(node, p));
+    default: return Vector<T>(0);
+  }
+}
+
+}  // namespace octomarch::reference

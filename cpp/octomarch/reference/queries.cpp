@@ -1,0 +1,62 @@
+// Loops over points and rays; see queries.hpp.
+#include "octomarch/reference/queries.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "octomarch/reference/march.hpp"
+
+namespace octomarch::reference {
+namespace {
+
+Vec3 triple(std::span<const double> values, std::size_t i) {
+  return {values[3 * i], values[3 * i + 1], values[3 * i + 2]};
+}
+
+}  // namespace
+
+template <class T>
+void distance(const NodePtr& root, std::span<const double> points, std::span<T> values, const Poll& poll) {
+  Evaluator<T> field(root, poll);
+  for (std::size_t i = 0; i < values.size(); ++i) values[i] = field.distance(vector<T>(triple(points, i)));
+}
+
+template <class T>
+void gradient(const NodePtr& root, std::span<const double> points, std::span<T> gradients, const Poll& poll) {
+  Evaluator<T> field(root, poll);
+  for (std::size_t i = 0; i < gradients.size() / 3; ++i)
+    store(gradients, i, field.gradient(vector<T>(triple(points, i))));
+}
+
+template <class T>
+void raycast(const NodePtr& root, std::span<const double> origins, std::span<const double> directions,
+             const March& march, double t_max, double lipschitz, const Hits<T>& hits, const Poll& poll) {
+  Evaluator<T> field(root, poll);
+  for (std::size_t i = 0; i < hits.t.size(); ++i) {
+    const Vec3 direction = triple(directions, i);
+    const double norm = length(direction);
+    const bool valid = is_finite(direction) && norm > 0.0;
+    const Ray<T> ray{vector<T>(triple(origins, i)), vector<T>(valid ? normalized(direction) : Vec3{})};
+    MarchLimits<T> limits(march, lipschitz);
+    limits.t_max = T(std::min(march.max_distance, t_max * norm));
+    const Arrival<T> arrival = march_ray(field, ray, limits);
+    const Surface<T> surface = surface_at(field, ray, arrival, T(0));
+    hits.t[i] = valid ? T(static_cast<double>(arrival.t) / norm) : arrival.t;
+    store(hits.position, i, surface.position);
+    store(hits.normal, i, surface.normal);
+    hits.material_id[i] = surface.material;
+    hits.steps[i] = arrival.steps;
+    hits.status[i] = static_cast<std::uint8_t>(arrival.status);
+  }
+}
+
+template void distance(const NodePtr&, std::span<const double>, std::span<float>, const Poll&);
+template void distance(const NodePtr&, std::span<const double>, std::span<double>, const Poll&);
+template void gradient(const NodePtr&, std::span<const double>, std::span<float>, const Poll&);
+template void gradient(const NodePtr&, std::span<const double>, std::span<double>, const Poll&);
+template void raycast(const NodePtr&, std::span<const double>, std::span<const double>, const March&, double, double,
+                      const Hits<float>&, const Poll&);
+template void raycast(const NodePtr&, std::span<const double>, std::span<const double>, const March&, double, double,
+                      const Hits<double>&, const Poll&);
+
+}  // namespace octomarch::reference

@@ -1,0 +1,32 @@
+// Whole pictures by the reference, pixel after pixel, without GLM in its face. Shading comes before it; the bindings come
+// after.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "octomarch/graph/node.hpp"
+#include "octomarch/graph/scene.hpp"
+#include "octomarch/reference/poll.hpp"
+
+namespace octomarch::reference {
+
+/// Where the planes of a picture go, row 0 at the top, pixels of a row from the left. An empty span is a plane that
+/// nobody wants.
+template <class T>
+struct Planes {
+  std::span<T> color;     ///< height × width × 3, linear RGB
+  std::span<T> depth;     ///< height × width, +inf where the ray hit nothing
+  std::span<T> position;  ///< height × width × 3
+  std::span<T> normal;    ///< height × width × 3
+  std::span<std::int32_t> material_id;
+  std::span<std::int32_t> steps;
+  std::span<std::uint8_t> status;
+};
+
+/// Renders `root` under `scene` as width × height pixels in T = float or double.
+template <class T>
+void render(const NodePtr& root, const Scene& scene, const Camera& camera, const March& march, const Shading& shading,
+            int width, int height, double lipschitz, const Planes<T>& planes, const Poll& poll);
+
+}  // namespace octomarch::reference
