@@ -75,7 +75,7 @@ def test_missing_plane_says_how_to_ask():
 @pytest.mark.parametrize(
     ("planes", "error", "message"),
     [
-        ({}, ValueError, "planes must hold at least one plane"),
+        ({}, ValueError, "planes must name at least one plane"),
         ({"colour": np.ones((2, 2, 3))}, ValueError, "planes must be one of 'color', .*got 'colour'"),
         ({"color": np.ones((2, 2))}, ValueError, r"color must have shape \(height, width, 3\), got \(2, 2\)"),
         ({"color": np.ones((2, 2, 4))}, ValueError, r"got \(2, 2, 4\)"),

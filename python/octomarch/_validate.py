@@ -159,6 +159,8 @@ def choice(name: str, value: object, options: Sequence[str | None]) -> Any:
 def planes(value: object, options: Sequence[Name]) -> list[Name]:
     """Return the distinct names of `planes`, in the order of `options`; a single string is one name."""
     names = [value] if isinstance(value, str) else sequence("planes", value, "names of planes")
+    if not names:
+        raise ValueError("planes must name at least one plane, got none")
     for name in names:
         choice("planes", name, options)
     return [name for name in options if name in names]

@@ -81,8 +81,6 @@ class Image:
         metadata: Mapping[str, Any] | None = None,
     ) -> None:
         arrays = {name: _plane(name, planes[name]) for name in check.planes(list(planes), tuple(PLANES))}
-        if not arrays:
-            raise ValueError("planes must hold at least one plane, got none")
         extents = {array.shape[:2] for array in arrays.values()}
         if len(extents) > 1:
             raise ValueError(f"planes must have one (height, width), got {sorted(extents)}")

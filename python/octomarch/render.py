@@ -91,8 +91,6 @@ def render(
     """
     width, height = check.size(size)
     names = check.planes(planes, tuple(PLANES))
-    if not names:
-        raise ValueError("planes must name at least one plane, got none")
     options = check.precision(precision), check.threads(threads), check.isa(isa)
     march, shading = _or_default(March, "march", march), _or_default(Shading, "shading", shading)
     program = compile(scene)

@@ -1,0 +1,91 @@
+"""The command line, called as a function, and once as a program."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+import octomarch as om
+from octomarch.cli import main
+from octomarch.demo import DEMOS
+from octomarch.planes import PLANES
+
+
+def test_demo_renders_both_scenes(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    folder = tmp_path / "new" / "folder"
+    assert main(["demo", "-o", str(folder), "--size", "48x27", "--threads", "1", "--isa", om.isas()[-1]]) == 0
+    output = capsys.readouterr().out
+    assert sorted(path.name for path in folder.iterdir()) == sorted(f"{n}{s}" for n in DEMOS for s in (".exr", ".png"))
+    for name in DEMOS:
+        image = om.read_exr(folder / f"{name}.exr")
+        assert image.size == (48, 27)
+        assert image.planes == tuple(PLANES)
+        assert str(folder / f"{name}.png") in output
+    assert re.search(rf"48x27, {om.isas()[-1]}, 1 threads?, .* Mrays/s, [\d.]+ evaluations per primary ray", output)
+
+
+def test_info_names_versions_and_instruction_sets(capsys: pytest.CaptureFixture[str]):
+    assert main(["info"]) == 0
+    output = capsys.readouterr().out
+    assert om.__version__ in output
+    assert ", ".join(om.isas()) in output
+    assert all(value in output for value in om.build_info().values())
+
+
+@pytest.mark.parametrize("name", DEMOS)
+def test_listing_of_a_demo(name: str, capsys: pytest.CaptureFixture[str]):
+    assert main(["listing", name]) == 0
+    assert capsys.readouterr().out.strip() == str(om.compile(DEMOS[name]().scene)).strip()
+
+
+def test_listing_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    path = tmp_path / "mine.py"
+    path.write_text("import octomarch as om\nshape = om.torus(2.0, 0.5)\nother = om.sphere(1.0)\n")
+    assert main(["listing", str(path)]) == 0
+    assert "torus" in capsys.readouterr().out
+    assert main(["listing", f"{path}:other"]) == 0
+    assert "sphere" in capsys.readouterr().out
+    assert main(["listing", f"{path}:none"]) == 1
+    assert "mine.py defines no shape or scene named none" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["listing", "cathedral"], r"scene must be blend or building or FILE\.py"),
+        (["listing", "none.py"], "none.py"),
+        (["demo", "--isa", "mmx"], "isa.*mmx"),
+        (["demo", "--size", "0x5"], r"size\[0\]"),
+        (["demo", "--threads", "0"], "threads"),
+        (["demo", "-o", "/dev/null"], "/dev/null"),
+    ],
+)
+def test_errors_are_one_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]):
+    assert main(arguments) == 1
+    error = capsys.readouterr().err
+    assert re.fullmatch(f"octomarch: .*{message}.*\n", error)
+
+
+@pytest.mark.parametrize("arguments", [[], ["paint"], ["demo", "--size", "big"]])
+def test_wrong_usage_exits_with_two(arguments: list[str], capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as error:
+        main(arguments)
+    assert error.value.code == 2
+    assert "usage: octomarch" in capsys.readouterr().err
+
+
+def test_interruption_is_told_quietly(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    def interrupted(*_: object, **__: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(om, "render", interrupted)
+    assert main(["demo", "-o", str(tmp_path)]) == 130
+
+
+def test_module_runs_as_a_program(tmp_path: Path):
+    command = [sys.executable, "-m", "octomarch", "--version"]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=tmp_path, env=os.environ)
+    assert done.stdout == f"octomarch {om.__version__}\n"

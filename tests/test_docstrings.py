@@ -1,0 +1,48 @@
+"""Every public name says what it is, and every example in a docstring runs and gives what it shows."""
+
+import doctest
+import importlib
+import inspect
+import pkgutil
+from pathlib import Path
+
+import pytest
+
+import octomarch as om
+
+MODULES = sorted(
+    f"octomarch.{module.name}"
+    for module in pkgutil.iter_modules(om.__path__)
+    if module.name not in ("_core", "__main__")
+)
+PUBLIC = [name for name in om.__all__ if callable(getattr(om, name)) and name != "SceneError"]
+
+
+@pytest.mark.parametrize("name", ["octomarch", *MODULES])
+def test_examples_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.chdir(tmp_path)
+    result = doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
+    assert result.failed == 0
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_names_have_an_example(name: str):
+    documentation = inspect.getdoc(getattr(om, name)) or ""
+    assert ">>>" in documentation
+
+
+@pytest.mark.parametrize("name", PUBLIC)
+def test_public_members_are_documented(name: str):
+    thing = getattr(om, name)
+    if inspect.isclass(thing):
+        members = {
+            key: value
+            for key, value in vars(thing).items()
+            if not key.startswith("_") and (inspect.isfunction(value) or isinstance(value, property))
+        }
+        assert [key for key, value in members.items() if not inspect.getdoc(value)] == []
+
+
+def test_modules_say_what_they_do():
+    for name in MODULES:
+        assert importlib.import_module(name).__doc__

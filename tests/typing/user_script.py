@@ -1,0 +1,53 @@
+"""A user's script that uses all of the interface; test_typing.py has mypy check it, strictly."""
+
+from pathlib import Path
+from typing import assert_type
+
+import numpy as np
+from numpy.typing import NDArray
+
+import octomarch as om
+
+
+def tower(storeys: int) -> om.Shape:
+    windows = om.box((0.6, 0.8, 0.6)).repeat((1, 1.5, None), counts=(4, storeys, None))
+    return om.box((4, 1.5 * storeys, 4)) - windows - om.cylinder(1.2, axis="y")
+
+
+def lights() -> list[om.DirectionalLight | om.PointLight]:
+    return [om.DirectionalLight(direction=(-1, -2, -1)), om.PointLight((2, 5, 2), color=20, decay=2)]
+
+
+shape = om.union(tower(8), om.plane(), smooth=0.1) & ~om.sphere(1.0, center=np.zeros(3))
+shape = shape.translate(0, 1, 0).translate((0, 1, 0)).rotate(30, axis=(1, 1, 0)).scale(2)
+assert_type(shape | om.torus(2, 0.5).union(om.capsule((0, 0, 0), (0, 1, 0), 0.2), smooth=0.1), om.Shape)
+
+red = om.Material(color=(0.8, 0.1, 0.1), roughness=0.4)
+scene = om.Scene(shape.paint(red), sky=om.Sky(base=0.5), ambient=(0.1, 0.1, 0.2), lights=lights())
+assert_type(scene.ambient, tuple[float, float, float])
+
+distances: NDArray[np.floating] = shape.distance(np.zeros((4, 3)), precision="float32")
+hits = shape.raycast([0, 0, 9], [[0, 0, -1]], march=om.March(max_steps=64), t_max=50, planes=("t", "status"))
+blocked = bool((hits.status == om.Status.HIT).any())
+nearest = float(hits.t.min())
+
+
+def report(done: int, total: int) -> None:
+    print(done, total)
+
+
+camera = om.Camera(eye=(3, 2, 4), target=(0, 0, 0), fov=45)
+image = om.render(scene, camera, size=(64, 48), shading=om.Shading(shadows="hard"), planes=("color", "depth"))
+image = om.render(
+    shape, om.OrthographicCamera((0, 0, 9), (0, 0, 0)), (64, 48), progress=report, threads=1, isa="scalar"
+)
+assert_type(image.material_id, NDArray[np.int32])
+mean: float = float(image.color.mean())
+image.save(Path("tower.png"))
+assert_type(om.read_exr("tower.exr"), om.Image)
+
+program = om.compile(scene)
+assert_type(program.lipschitz, float)
+assert_type(om.isas(), list[str])
+lo, hi = shape.bounds()
+height: float = float(hi[1] - lo[1])

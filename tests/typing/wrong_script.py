@@ -1,0 +1,13 @@
+"""Mistakes that mypy must find, one on each line that says so; test_typing.py compares."""
+
+import octomarch as om
+
+om.sphere("1")  # wrong
+om.sphere(1.0) | 2  # wrong
+om.render(om.sphere(1.0), planes=("albedo",))  # wrong
+om.March(method="relaxed")  # wrong
+om.cylinder(1.0, axis="w")  # wrong
+om.sphere(1.0).paint((1, 0, 0))  # wrong
+om.render(3)  # wrong
+om.Scene(om.sphere(1.0)).ambient = (0, 0, 0)  # wrong
+print(om.sphere(1.0).colour)  # wrong
