@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <utility>
 
 #include <glm/mat3x3.hpp>
@@ -122,6 +123,13 @@ Evaluator<T>::Evaluator(NodePtr root, Poll poll)
       poll_(std::move(poll)),
       table_(collect_materials(*root_)),
       shared_(shared_nodes(*root_)) {}
+
+template <class T>
+T Evaluator<T>::distance(const Vector<T>& p) {
+  // Comparisons drop a NaN operand, so it has to be looked for.
+  if (std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z)) return std::numeric_limits<T>::quiet_NaN();
+  return walk(p, false).value;
+}
 
 template <class T>
 int Evaluator<T>::material(const Vector<T>& p) {

@@ -33,7 +33,8 @@ class Evaluator {
   /// Contract: `root` is not null.
   Evaluator(NodePtr root, Poll poll);
 
-  T distance(const Vector<T>& p) { return walk(p, false).value; }
+  /// NaN at points that have a NaN.
+  T distance(const Vector<T>& p);
   /// Analytic; on ties (equal operands, faces of boxes) that of a side which has a gradient.
   Vector<T> gradient(const Vector<T>& p) { return walk(p, true).gradient; }
   /// Index into materials() of the primitive that gives the value at p.

@@ -41,7 +41,7 @@ Vector<T> Shader<T>::lit(const Ray<T>& ray, const Arrival<T>& arrival, const Sur
 
   Vector<T> color = vector<T>(scene_.ambient) * albedo * ambient_occlusion(origin, normal);
   for (const Light& light : scene_.lights) {
-    const Beam beam = beam_of(light, surface.position);
+    const Beam beam = beam_of(light, origin);
     const T cosine = glm::dot(normal, beam.toward_light);
     if (!(cosine > T(0))) continue;
     const T visible = visibility(origin, beam, epsilon);
@@ -53,10 +53,10 @@ Vector<T> Shader<T>::lit(const Ray<T>& ray, const Arrival<T>& arrival, const Sur
 }
 
 template <class T>
-typename Shader<T>::Beam Shader<T>::beam_of(const Light& light, const Vector<T>& position) const {
+typename Shader<T>::Beam Shader<T>::beam_of(const Light& light, const Vector<T>& origin) const {
   const Vector<T> color = vector<T>(light.color);
   if (light.kind == LightKind::kDirectional) return {-vector<T>(light.vector), limits_.t_max, color};
-  const Vector<T> toward = vector<T>(light.vector) - position;
+  const Vector<T> toward = vector<T>(light.vector) - origin;
   const T distance = glm::length(toward);
   return {direction_of(toward), distance, color / std::pow(distance, T(light.decay))};
 }

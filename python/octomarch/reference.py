@@ -1,0 +1,256 @@
+"""The scalar reference: what a field, a ray or a picture should be, computed the slow and simple way.
+
+It walks the nodes of a shape one point at a time, in plain C++ with GLM, and shares no code with the compiled programs
+and packets of rays behind `Shape.distance` and `octomarch.render`: where the two agree, both are very likely right.
+From the program it takes the Lipschitz bound and the scene's size only. It runs on one thread; Ctrl-C stops it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from octomarch import _core
+from octomarch import _validate as check
+from octomarch._validate import Precision
+from octomarch.camera import AnyCamera, Camera, OrthographicCamera, framing
+from octomarch.image import Image
+from octomarch.march import March
+from octomarch.planes import PLANES
+from octomarch.program import compile
+from octomarch.queries import Floats, Hits, _rays
+from octomarch.render import _or_default, lit_by_default
+from octomarch.scene import Scene
+from octomarch.shading import Shading
+from octomarch.shapes import Shape
+
+__all__ = ["distance", "gradient", "raycast", "render"]
+
+ReferencePlane: TypeAlias = Literal["color", "depth", "position", "normal", "material_id", "steps", "status"]
+
+REFERENCE_PLANES: tuple[ReferencePlane, ...] = (
+    "color",
+    "depth",
+    "position",
+    "normal",
+    "material_id",
+    "steps",
+    "status",
+)
+
+
+def distance(shape: Shape, points: ArrayLike, dtype: Precision = "float64") -> Floats:
+    """Evaluate the field of a shape; see `Shape.distance`.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of any depth.
+    points : array_like of float, shape (..., 3)
+        World frame, scene units.
+    dtype : {"float64", "float32"}
+        Arithmetic, and type of the result.
+
+    Returns
+    -------
+    ndarray, shape (...,)
+        In scene units, negative inside.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If `shape` is none, `points` are no real numbers or their last axis is not 3, or `dtype` is another.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> om.reference.distance(om.sphere(1.0), [[0, 0, 0], [0, 3, 4]]).tolist()
+    [-1.0, 4.0]
+    """
+    return _evaluate(_core.reference_distance, shape, points, dtype)
+
+
+def gradient(shape: Shape, points: ArrayLike, dtype: Precision = "float64") -> Floats:
+    """Differentiate the field of a shape analytically; see `Shape.gradient`.
+
+    On creases and faces, where operands are equal, it is the gradient of one side that has one. It is zero only where
+    no direction leads away from the surface, such as the centre of a ball.
+
+    Parameters
+    ----------
+    shape : Shape
+        Of any depth.
+    points : array_like of float, shape (..., 3)
+        World frame, scene units.
+    dtype : {"float64", "float32"}
+        Arithmetic, and type of the result.
+
+    Returns
+    -------
+    ndarray, shape (..., 3)
+        Without unit.
+
+    Raises
+    ------
+    TypeError, ValueError
+        As for `distance`.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> om.reference.gradient(om.box(2.0), [[2, 0, 0], [0, -1, 0]]).tolist()
+    [[1.0, 0.0, 0.0], [0.0, -1.0, 0.0]]
+    """
+    return _evaluate(_core.reference_gradient, shape, points, dtype)
+
+
+def raycast(
+    shape: Shape,
+    origins: ArrayLike,
+    directions: ArrayLike,
+    march: March | None = None,
+    t_max: float = math.inf,
+    dtype: Precision = "float64",
+) -> Hits:
+    """Find the first surface along each ray by plain sphere tracing; see `Shape.raycast`.
+
+    Parameters
+    ----------
+    shape : Shape
+        What the rays may hit.
+    origins, directions : array_like of float, shape (..., 3)
+        World frame, scene units; the shapes are broadcast. `t` counts in lengths of the directions.
+    march : March, optional
+        Step limit and tolerances; None for the defaults.
+    t_max : float
+        Farthest ray parameter searched, > 0.
+    dtype : {"float64", "float32"}
+        Arithmetic, and type of the planes of floats.
+
+    Returns
+    -------
+    Hits
+        Every plane but ``object_id``, with the leading shape of the rays.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If arrays hold no real numbers, their last axis is not 3, or their shapes do not broadcast; if an option is
+        of a wrong type or outside its range.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> hits = om.reference.raycast(om.sphere(1.0), [[0, 0, 3], [0, 3, 0]], [0, 0, -2])
+    >>> hits.t.tolist(), hits.status.tolist()
+    ([1.0, inf], [0, 1])
+    """
+    node = _node(shape)
+    starts, aims, leading = _rays(origins, directions)
+    limit = check.number("t_max", t_max)
+    if not limit > 0:
+        raise ValueError(f"t_max must be > 0, got {check.shown(t_max)}")
+    precision = _dtype(dtype)
+    program = compile(shape)
+    native = _or_default(March, "march", march).resolve(program, origins, pixels=False)._native()
+    found = _core.reference_raycast(node, starts, aims, native, limit, program.lipschitz, precision)
+    return Hits({name: values.reshape(leading + values.shape[1:]) for name, values in found.items()})
+
+
+def render(
+    scene: Shape | Scene,
+    camera: AnyCamera | None = None,
+    size: tuple[int, int] = (160, 120),
+    march: March | None = None,
+    shading: Shading | None = None,
+    planes: ReferencePlane | Sequence[ReferencePlane] = ("color",),
+    dtype: Precision = "float64",
+) -> Image:
+    """Render a picture, pixel after pixel; see `octomarch.render`.
+
+    Parameters
+    ----------
+    scene : Shape or Scene
+        A shape alone is lit as by `octomarch.render`.
+    camera : Camera or OrthographicCamera, optional
+        None: one that frames the bounded parts of the shape.
+    size : (int, int)
+        Width and height in pixels.
+    march : March, optional
+        How rays find the surface; None for the defaults.
+    shading : Shading, optional
+        How surfaces are lit; None for the defaults.
+    planes : sequence of str
+        What to compute, of ``color depth position normal material_id steps status``.
+    dtype : {"float64", "float32"}
+        Arithmetic, and type of the planes of floats.
+
+    Returns
+    -------
+    Image
+        With the planes asked for as attributes.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of a wrong type or outside its range; an unknown name is answered with those there are.
+    KeyboardInterrupt
+        Ctrl-C stops a render at once.
+
+    Examples
+    --------
+    >>> import numpy as np, octomarch as om
+    >>> solid = om.sphere(1.0) - om.box(1.2)
+    >>> truth = om.reference.render(solid, size=(32, 24), planes=("depth", "status"))
+    >>> image = om.render(solid, size=(32, 24), planes=("depth", "status"), precision="float64")
+    >>> bool(np.mean(truth.status == image.status) > 0.99)
+    True
+    """
+    width, height = check.size(size)
+    names = check.planes(planes, REFERENCE_PLANES)
+    if not names:
+        raise ValueError("planes must name at least one plane, got none")
+    precision = _dtype(dtype)
+    march, shading = _or_default(March, "march", march), _or_default(Shading, "shading", shading)
+    program = compile(scene)
+    if camera is None:
+        camera = framing(program, (width, height))
+    elif not isinstance(camera, (Camera, OrthographicCamera)):
+        raise TypeError(f"camera must be an om.Camera or om.OrthographicCamera, got {check.shown(camera)}")
+    if isinstance(scene, Shape):
+        scene = lit_by_default(scene, camera)
+    arrays = _core.reference_render(
+        scene.shape._node,
+        scene._native(),
+        camera._native(),
+        march.resolve(program, camera._ray_origins((width, height)))._native(),
+        shading.resolve(program)._native(),
+        width,
+        height,
+        names,
+        program.lipschitz,
+        precision,
+    )
+    settings = {"size": (width, height), "planes": names, "precision": precision, "renderer": "reference"}
+    return Image({name: arrays[name] for name in PLANES if name in arrays}, metadata={"render": settings})
+
+
+def _evaluate(function: Any, shape: Shape, points: ArrayLike, dtype: Precision) -> Floats:
+    where: NDArray[np.float64] = check.points("points", points)
+    values: Floats = function(_node(shape), where.reshape(-1, 3), _dtype(dtype))
+    return values.reshape(where.shape[:-1] + values.shape[1:])
+
+
+def _node(shape: Shape) -> _core.Node:
+    if not isinstance(shape, Shape):
+        raise TypeError(f"shape must be an om.Shape, got {check.shown(shape)}")
+    return shape._node
+
+
+def _dtype(dtype: Precision) -> Precision:
+    result: Precision = check.choice("dtype", dtype, ("float32", "float64"))
+    return result
