@@ -14,9 +14,9 @@ endforeach()
 add_library(octomarch_options INTERFACE)
 target_compile_options(octomarch_options INTERFACE ${OCTOMARCH_FLOAT_FLAGS} -Wall -Wextra -Wpedantic -Wconversion)
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  # False alarms of GCC 12: "text" + std::string as an overlapping copy (https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105651),
-  # AVX-512 intrinsics as uninitialised (id=105593), std::sort of a short std::array as out of bounds.
-  target_compile_options(octomarch_options INTERFACE -Wno-restrict -Wno-maybe-uninitialized -Wno-array-bounds)
+  # False alarms of GCC 12: "text" + std::string as an overlapping copy (https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105651)
+  # and std::sort of a short std::array as out of bounds.
+  target_compile_options(octomarch_options INTERFACE -Wno-restrict -Wno-array-bounds)
 endif()
 if(OCTOMARCH_WERROR)
   target_compile_options(octomarch_options INTERFACE -Werror)
