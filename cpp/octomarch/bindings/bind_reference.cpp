@@ -6,11 +6,11 @@
 #include <string_view>
 #include <vector>
 
-#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
 #include "octomarch/base/error.hpp"
+#include "octomarch/bindings/arrays.hpp"
 #include "octomarch/bindings/register.hpp"
 #include "octomarch/reference/queries.hpp"
 #include "octomarch/reference/render.hpp"
@@ -20,42 +20,13 @@ namespace py = pybind11;
 namespace octomarch {
 namespace {
 
-using Rows = py::array_t<double, py::array::c_style | py::array::forcecast>;
-
-/// The n × 3 numbers of `rows`.
-std::span<const double> triples(const Rows& rows, const char* argument) {
-  if (rows.ndim() != 2 || rows.shape(1) != 3) {
-    throw ArgumentError(std::string(argument) + " must be an array of shape (n, 3), got " +
-                        py::str(py::getattr(rows, "shape")).cast<std::string>());
-  }
-  return {rows.data(), static_cast<std::size_t>(rows.size())};
-}
-
-template <class Value>
-std::span<Value> contents(py::array_t<Value>& array) {
-  return {array.mutable_data(), static_cast<std::size_t>(array.size())};
-}
-
-void check_signals() {
-  const py::gil_scoped_acquire gil;
-  if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-}
-
-/// Calls work(T{}) with the type that `dtype` names.
-template <class Work>
-auto with_dtype(const std::string& dtype, const Work& work) {
-  if (dtype == "float32") return work(float{});
-  if (dtype == "float64") return work(double{});
-  throw ArgumentError("dtype must be one of 'float32', 'float64', got '" + dtype + "'");
-}
-
 void require_lipschitz(double lipschitz) {
   require(std::isfinite(lipschitz) && lipschitz > 0.0, "lipschitz", "finite and > 0", lipschitz);
 }
 
 py::array distance(const NodePtr& node, const Rows& points, const std::string& dtype) {
   const std::span<const double> in = triples(points, "points");
-  return with_dtype(dtype, [&]<class T>(T) -> py::array {
+  return with_precision("dtype", dtype, [&]<class T>(T) -> py::array {
     py::array_t<T> values(points.shape(0));
     const std::span<T> out = contents(values);
     {
@@ -68,7 +39,7 @@ py::array distance(const NodePtr& node, const Rows& points, const std::string& d
 
 py::array gradient(const NodePtr& node, const Rows& points, const std::string& dtype) {
   const std::span<const double> in = triples(points, "points");
-  return with_dtype(dtype, [&]<class T>(T) -> py::array {
+  return with_precision("dtype", dtype, [&]<class T>(T) -> py::array {
     py::array_t<T> gradients({points.shape(0), py::ssize_t{3}});
     const std::span<T> out = contents(gradients);
     {
@@ -79,44 +50,13 @@ py::array gradient(const NodePtr& node, const Rows& points, const std::string& d
   });
 }
 
-/// Named arrays of one shape of rays or pixels, made on request.
-class Results {
- public:
-  explicit Results(std::vector<py::ssize_t> shape) : shape_(std::move(shape)) {}
-
-  template <class Value>
-  std::span<Value> scalars(const char* name) {
-    return add<Value>(name, shape_);
-  }
-
-  template <class Value>
-  std::span<Value> vectors(const char* name) {
-    std::vector<py::ssize_t> shape = shape_;
-    shape.push_back(3);
-    return add<Value>(name, shape);
-  }
-
-  py::dict take() { return std::move(arrays_); }
-
- private:
-  template <class Value>
-  std::span<Value> add(const char* name, const std::vector<py::ssize_t>& shape) {
-    py::array_t<Value> array(shape);
-    arrays_[name] = array;
-    return contents(array);
-  }
-
-  std::vector<py::ssize_t> shape_;
-  py::dict arrays_;
-};
-
 py::dict raycast(const NodePtr& node, const Rows& origins, const Rows& directions, const March& march, double t_max,
                  double lipschitz, const std::string& dtype) {
   const std::span<const double> from = triples(origins, "origins");
   const std::span<const double> along = triples(directions, "directions");
   require(from.size() == along.size(), "directions", "as many as origins", directions.shape(0));
   require_lipschitz(lipschitz);
-  return with_dtype(dtype, [&]<class T>(T) {
+  return with_precision("dtype", dtype, [&]<class T>(T) {
     Results results({origins.shape(0)});
     const reference::Hits<T> hits{.t = results.scalars<T>("t"),
                                   .position = results.vectors<T>("position"),
@@ -155,7 +95,7 @@ py::dict render(const NodePtr& node, const Scene& scene, const Camera& camera, c
   require(width >= 1, "width", ">= 1", width);
   require(height >= 1, "height", ">= 1", height);
   require_lipschitz(lipschitz);
-  return with_dtype(dtype, [&]<class T>(T) {
+  return with_precision("dtype", dtype, [&]<class T>(T) {
     Results results({height, width});
     const reference::Planes<T> wanted = planes_named<T>(planes, results);
     {
