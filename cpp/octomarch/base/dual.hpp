@@ -1,0 +1,85 @@
+// Dual numbers in three variables: a value and its exact partial derivatives, carried through an operator's own
+// formula (forward differentiation). The operators of ops/ are instantiated over Dual<lanes> to give normals.
+//
+// Where a function has no derivative, the result keeps the side that has one: abs takes +1 at 0, min and max take an
+// operand whole, sqrt takes 0 at 0. So no NaN arises, and a point exactly on a face still gets that face's normal.
+#pragma once
+
+namespace octomarch {
+
+/// `T`: a lane type. `value` has exactly the bits that the plain evaluation over T has.
+template <class T>
+struct Dual {
+  T value;
+  T dx;
+  T dy;
+  T dz;
+
+  friend Dual operator+(const Dual& a, const Dual& b) { return {a.value + b.value, a.dx + b.dx, a.dy + b.dy, a.dz + b.dz}; }
+  friend Dual operator-(const Dual& a, const Dual& b) { return {a.value - b.value, a.dx - b.dx, a.dy - b.dy, a.dz - b.dz}; }
+  friend Dual operator*(const Dual& a, const Dual& b) {
+    return {a.value * b.value, a.value * b.dx + b.value * a.dx, a.value * b.dy + b.value * a.dy,
+            a.value * b.dz + b.value * a.dz};
+  }
+  friend Dual operator-(const Dual& a) { return {-a.value, -a.dx, -a.dy, -a.dz}; }
+
+  // Constants have no derivative, so mixed forms skip the work on it.
+  friend Dual operator+(const Dual& a, const T& c) { return {a.value + c, a.dx, a.dy, a.dz}; }
+  friend Dual operator-(const Dual& a, const T& c) { return {a.value - c, a.dx, a.dy, a.dz}; }
+  friend Dual operator-(const T& c, const Dual& a) { return {c - a.value, -a.dx, -a.dy, -a.dz}; }
+  friend Dual operator*(const Dual& a, const T& c) { return {a.value * c, a.dx * c, a.dy * c, a.dz * c}; }
+};
+
+template <class T>
+Dual<T> square(const Dual<T>& a) {
+  const T twice = a.value + a.value;
+  return {a.value * a.value, twice * a.dx, twice * a.dy, twice * a.dz};
+}
+
+template <class T>
+Dual<T> sqrt(const Dual<T>& a) {
+  const T root = sqrt(a.value);
+  const T slope = select(root > T(0), T(0.5F) / root, T(0));
+  return {root, a.dx * slope, a.dy * slope, a.dz * slope};
+}
+
+/// `mask ? a : b`, the derivatives with the value. `Mask`: the lane type's mask.
+template <class Mask, class T>
+Dual<T> select(const Mask& mask, const Dual<T>& a, const Dual<T>& b) {
+  return {select(mask, a.value, b.value), select(mask, a.dx, b.dx), select(mask, a.dy, b.dy), select(mask, a.dz, b.dz)};
+}
+
+template <class T>
+Dual<T> abs(const Dual<T>& a) {
+  return select(a.value < T(0), -a, a);
+}
+
+template <class T>
+Dual<T> min(const Dual<T>& a, const Dual<T>& b) {
+  return select(a.value < b.value, a, b);
+}
+
+template <class T>
+Dual<T> max(const Dual<T>& a, const Dual<T>& b) {
+  return select(a.value > b.value, a, b);
+}
+
+template <class T>
+Dual<T> min(const Dual<T>& a, const T& c) {
+  const auto kept = a.value < c;
+  return {select(kept, a.value, c), select(kept, a.dx, T(0)), select(kept, a.dy, T(0)), select(kept, a.dz, T(0))};
+}
+
+template <class T>
+Dual<T> max(const Dual<T>& a, const T& c) {
+  const auto kept = a.value > c;
+  return {select(kept, a.value, c), select(kept, a.dx, T(0)), select(kept, a.dy, T(0)), select(kept, a.dz, T(0))};
+}
+
+/// The part that comparisons look at.
+template <class T>
+const T& value_of(const Dual<T>& a) {
+  return a.value;
+}
+
+}  // namespace octomarch

@@ -1,0 +1,103 @@
+#include "octomarch/base/parallel.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#ifdef __linux__
+#include <sched.h>
+#endif
+
+namespace octomarch {
+
+namespace {
+
+constexpr std::chrono::milliseconds kPollInterval{20};
+
+/// What workers and the calling thread share.
+struct Shared {
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
+  bool cancelled = false;  ///< written atomically; a plain bool so that kernels can poll it without <atomic>
+  std::mutex mutex;
+  std::condition_variable ended;
+  std::size_t running = 0;
+  std::exception_ptr error;
+
+  void cancel() { __atomic_store_n(&cancelled, true, __ATOMIC_RELAXED); }
+  void fail(std::exception_ptr e) {
+    const std::lock_guard lock(mutex);
+    if (!error) error = std::move(e);
+    cancel();
+  }
+};
+
+}  // namespace
+
+unsigned thread_count(unsigned threads) {
+  if (threads != 0) return threads;
+#ifdef __linux__
+  cpu_set_t allowed;
+  if (sched_getaffinity(0, sizeof allowed, &allowed) == 0) return static_cast<unsigned>(CPU_COUNT(&allowed));
+#endif
+  return std::max(1U, std::thread::hardware_concurrency());
+}
+
+void parallel_for(std::size_t tasks, unsigned threads,
+                  const std::function<void(std::size_t, std::size_t, const bool&)>& body, const Listener& listener) {
+  Shared shared;
+  const auto work = [&](std::size_t worker) {
+    try {
+      for (;;) {
+        const std::size_t task = shared.next.fetch_add(1, std::memory_order_relaxed);
+        if (task >= tasks || is_set(shared.cancelled)) break;
+        body(task, worker, shared.cancelled);
+        shared.done.fetch_add(1, std::memory_order_relaxed);
+      }
+    } catch (...) {
+      shared.fail(std::current_exception());
+    }
+    const std::lock_guard lock(shared.mutex);
+    --shared.running;
+    shared.ended.notify_one();
+  };
+
+  std::vector<std::jthread> workers;
+  const std::size_t count = std::min<std::size_t>(std::max(threads, 1U), tasks);
+  shared.running = count;
+  for (std::size_t worker = 0; worker < count; ++worker) {
+    try {
+      workers.emplace_back(work, worker);
+    } catch (...) {
+      const std::lock_guard lock(shared.mutex);
+      --shared.running;
+      if (workers.empty()) shared.error = std::current_exception();  // fewer threads than asked for still do the work
+    }
+  }
+
+  std::unique_lock lock(shared.mutex);
+  while (shared.running > 0) {
+    if (shared.ended.wait_for(lock, kPollInterval, [&] { return shared.running == 0; })) break;
+    lock.unlock();
+    try {
+      if (!is_set(shared.cancelled)) {
+        if (listener.poll) listener.poll();
+        if (listener.progress) listener.progress(shared.done.load(std::memory_order_relaxed), tasks);
+      }
+    } catch (...) {
+      shared.fail(std::current_exception());
+    }
+    lock.lock();
+  }
+  lock.unlock();
+  workers.clear();
+  if (shared.error) std::rethrow_exception(shared.error);
+  if (listener.progress) listener.progress(tasks, tasks);
+}
+
+}  // namespace octomarch

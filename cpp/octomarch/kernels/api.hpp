@@ -1,0 +1,163 @@
+// What the rest of the program may ask of the kernels: plain data in, plain data out, one table of functions per ISA
+// and precision. No class with code crosses this border, since code compiled for one ISA must not reach another.
+//
+// Arrays are structures of arrays, one number per ray or point. Unless a function says otherwise they are aligned to
+// kAlignment and their allocation reaches to a whole number of blocks (padded_lanes), of which lanes past `count` may
+// be read and overwritten, but never affect the lanes before.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "octomarch/kernels/block.hpp"
+#include "octomarch/program/instruction.hpp"
+
+namespace octomarch::kernels {
+
+constexpr std::size_t padded_lanes(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
+
+/// A tape as kernels see it. Its register file has kLanes numbers per register (4·kLanes for gradients), aligned.
+template <class Real>
+struct TapeView {
+  const Instruction* code;
+  std::size_t length;
+  const Real* constants;
+  std::uint32_t registers;
+  std::uint16_t result;
+};
+
+/// One input of a ray: an array (any alignment, exactly `count` long), or one value for all.
+template <class Real>
+struct Column {
+  const Real* values = nullptr;
+  Real value = 0;
+};
+
+template <class Real>
+struct Vectors {
+  Real* x;
+  Real* y;
+  Real* z;
+};
+
+/// Rays o + t·d, d of unit length, searched on [0, t_max]; eps(t) = max(epsilon, slope·t).
+template <class Real>
+struct RayView {
+  Column<Real> ox, oy, oz;
+  Column<Real> dx, dy, dz;
+  Column<Real> t_max;    ///< finite
+  Column<Real> epsilon;  ///< absolute part of the hit epsilon
+  std::size_t count;
+};
+
+template <class Real>
+struct MarchParameters {
+  Real step_scale;     ///< 1 / Lipschitz bound
+  Real epsilon_slope;  ///< growth of the hit epsilon with t
+  int max_steps;
+  bool secant_finish;
+  const bool* cancelled;  ///< polled at every block step; a cancelled kernel returns early with partial output
+};
+
+/// Work done, for image.stats: exact counts.
+struct Counters {
+  std::uint64_t evaluations = 0;       ///< of the field, at live lanes
+  std::uint64_t lane_slots = 0;        ///< lanes that were computed for them, live or not
+  std::uint64_t packets = 0;           ///< packets that were loaded
+};
+
+template <class Real>
+struct MarchOutput {
+  Real* t;               ///< see Status; +inf for misses and invalid rays. Any alignment, exactly `count` long
+  std::uint8_t* status;  ///< octomarch::Status; null when not wanted
+  std::int32_t* steps;   ///< evaluations of each ray; null when not wanted
+};
+
+/// A pinhole or parallel camera: pixel (i, j) looks along, or from, corner + (i + ½)·right + (j + ½)·down.
+template <class Real>
+struct CameraView {
+  bool perspective;  ///< true: the sum is the direction (to be normalised); false: the origin
+  Real corner[3];
+  Real right[3];
+  Real down[3];
+};
+
+/// A rectangle of pixels, in packets of kPacketWidth × kPacketHeight, row by row: ray (packet·8 + lane) is pixel
+/// (x + lane % 4, y + lane / 4) of its packet. Rays of pixels outside width × height are NaN.
+struct TileView {
+  std::uint32_t x, y;                     ///< first pixel
+  std::uint32_t packets_across, packets_down;
+  std::uint32_t width, height;            ///< of the picture
+};
+
+/// Surface points to be shaded, with what the kernels fill in.
+template <class Real>
+struct SurfaceView {
+  std::size_t count;
+  Vectors<Real> position;
+  Vectors<Real> direction;  ///< of the ray that found the point, unit
+  Vectors<Real> normal;     ///< unit
+  Vectors<Real> origin;     ///< position moved off the surface along the normal
+  Real* epsilon;            ///< hit epsilon at the point
+};
+
+template <class Real>
+struct LightView {
+  bool directional;
+  Real vector[3];  ///< directional: unit vector to the light; point: position
+  Real color[3];
+  int decay;
+  Real max_distance;  ///< directional: how far occluders are searched
+};
+
+/// One light's part at every point: unit vector to it, distance, cosine to the normal, irradiance scale.
+template <class Real>
+struct LightSamples {
+  Vectors<Real> toward;
+  Real* distance;
+  Real* cosine;
+  Real* visibility;  ///< 0 … 1; read by add_light
+};
+
+/// Per-point material terms and the colour being summed.
+template <class Real>
+struct MaterialView {
+  Vectors<Real> albedo;
+  Real* diffuse;  ///< 1 − metallic
+  Real* specular;
+  Real* metallic;
+  Real* exponent;
+  Vectors<Real> color;
+};
+
+template <class Real>
+struct KernelTable {
+  void (*camera_rays)(const CameraView<Real>&, const TileView&, const Vectors<Real>& out);
+  /// Sphere tracing of any number of rays in refilled blocks.
+  void (*march)(const TapeView<Real>&, Real* registers, const RayView<Real>&, const MarchParameters<Real>&,
+                const MarchOutput<Real>&, Counters&);
+  /// Visibility of each ray's far end: 0 where something is hit, else min over samples of k·r/t, at most 1
+  /// (k = +inf: hard shadows). `visibility`: exactly `count` long.
+  void (*shadow)(const TapeView<Real>&, Real* registers, const RayView<Real>&, const MarchParameters<Real>&, Real k,
+                 Real* visibility, Counters&);
+  /// The tape's result at points; NaN at NaN points.
+  void (*distance)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
+                   Real* out);
+  /// The exact gradient at points; the register file is four times as large.
+  void (*gradient)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
+                   const Vectors<Real>& out);
+  /// The gradient by central differences, scaled by 2·step (directions are what counts).
+  void (*central_difference)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points,
+                             std::size_t count, Real step, const Vectors<Real>& out);
+  /// Gradients in surface.normal become unit normals, −direction where there is none; origin = position + 2·epsilon·n.
+  void (*orient)(const SurfaceView<Real>&);
+  /// Ambient visibility from `samples` points along the normal, up to `distance` away.
+  void (*occlusion)(const TapeView<Real>&, Real* registers, const SurfaceView<Real>&, int samples, Real distance,
+                    Real* out);
+  void (*light_samples)(const SurfaceView<Real>&, const LightView<Real>&, const LightSamples<Real>&);
+  /// color += visibility·irradiance·(Lambert + Phong).
+  void (*add_light)(const SurfaceView<Real>&, const LightView<Real>&, const LightSamples<Real>&,
+                    const MaterialView<Real>&);
+};
+
+}  // namespace octomarch::kernels

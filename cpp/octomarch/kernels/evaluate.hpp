@@ -1,0 +1,125 @@
+// The tape interpreter: runs a program over a block of lanes, one instruction at a time, each over all the block's
+// batches. Two instances of the same operators: over lanes (distances) and over duals (distances with exact gradients).
+// Compilation comes before; march.hpp and surface.hpp call it.
+#pragma once
+
+#include "octomarch/base/dual.hpp"
+#include "octomarch/kernels/api.hpp"
+#include "octomarch/kernels/lanes.hpp"
+#include "octomarch/ops/attribute.hpp"
+#include "octomarch/ops/csg.hpp"
+#include "octomarch/ops/domain.hpp"
+#include "octomarch/ops/primitives.hpp"
+#include "octomarch/program/instruction.hpp"
+
+namespace octomarch::kernels::OCTOMARCH_ISA {
+
+/// How a number type lies in the register file: `kComponents` rows of kLanes each.
+template <class T>
+struct RegisterLayout;
+
+template <class Real>
+struct RegisterLayout<Lanes<Real>> {
+  static constexpr std::size_t kComponents = 1;
+  static Lanes<Real> load(const Real* row) { return Lanes<Real>::load(row); }
+  static void store(const Lanes<Real>& a, Real* row) { a.store(row); }
+};
+
+template <class Real>
+struct RegisterLayout<Dual<Lanes<Real>>> {
+  static constexpr std::size_t kComponents = 4;
+  static Dual<Lanes<Real>> load(const Real* row) {
+    return {Lanes<Real>::load(row), Lanes<Real>::load(row + kLanes), Lanes<Real>::load(row + 2 * kLanes),
+            Lanes<Real>::load(row + 3 * kLanes)};
+  }
+  static void store(const Dual<Lanes<Real>>& a, Real* row) {
+    a.value.store(row);
+    a.dx.store(row + kLanes);
+    a.dy.store(row + 2 * kLanes);
+    a.dz.store(row + 3 * kLanes);
+  }
+};
+
+/// Runs one instruction over `count` batches. All inputs of a batch are read before its outputs are written, since
+/// they may share registers.
+template <class Real>
+using Handler = void (*)(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count);
+
+template <template <class> class Op, class T, class Real, std::size_t Inputs, std::size_t Outputs>
+void execute(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count) {
+  using Layout = RegisterLayout<T>;
+  constexpr std::size_t kRegister = Layout::kComponents * kLanes;
+  const Op<Lanes<Real>> op(constants);
+  Real* const out0 = registers + instruction.out[0] * kRegister;
+  Real* const out1 = registers + instruction.out[1] * kRegister;
+  Real* const out2 = registers + instruction.out[2] * kRegister;
+  const Real* const in0 = registers + instruction.in[0] * kRegister;
+  const Real* const in1 = registers + instruction.in[1] * kRegister;
+  const Real* const in2 = registers + instruction.in[2] * kRegister;
+  const Real* const in3 = registers + instruction.in[3] * kRegister;
+
+  const auto call = [&](std::size_t lane) {
+    if constexpr (Inputs == 0) return op();
+    if constexpr (Inputs == 1) return op(Layout::load(in0 + lane));
+    if constexpr (Inputs == 2) return op(Layout::load(in0 + lane), Layout::load(in1 + lane));
+    if constexpr (Inputs == 3) return op(Layout::load(in0 + lane), Layout::load(in1 + lane), Layout::load(in2 + lane));
+    if constexpr (Inputs == 4) {
+      return op(Layout::load(in0 + lane), Layout::load(in1 + lane), Layout::load(in2 + lane), Layout::load(in3 + lane));
+    }
+  };
+  for (std::size_t lane = 0; lane < count * kWidth<Real>; lane += kWidth<Real>) {
+    const auto result = call(lane);
+    if constexpr (Outputs == 1) {
+      Layout::store(result, out0 + lane);
+    } else {
+      Layout::store(result.x, out0 + lane);
+      Layout::store(result.y, out1 + lane);
+      Layout::store(result.z, out2 + lane);
+    }
+  }
+}
+
+/// Attribute operators have no derivative and are never part of a distance program.
+template <class Real>
+constexpr Handler<Real> kValueHandlers[] = {
+#define OCTOMARCH_OPCODE(op, mnemonic, inputs, outputs, constants) \
+  &execute<ops::op, Lanes<Real>, Real, inputs, outputs>,
+#include "octomarch/program/opcodes.def"
+#undef OCTOMARCH_OPCODE
+};
+
+template <template <class> class Op, class Real, std::size_t Inputs, std::size_t Outputs>
+constexpr Handler<Real> dual_handler() {
+  if constexpr (Inputs == 0 || Inputs == 4) {
+    return nullptr;
+  } else {
+    return &execute<Op, Dual<Lanes<Real>>, Real, Inputs, Outputs>;
+  }
+}
+
+template <class Real>
+constexpr Handler<Real> kDualHandlers[] = {
+#define OCTOMARCH_OPCODE(op, mnemonic, inputs, outputs, constants) dual_handler<ops::op, Real, inputs, outputs>(),
+#include "octomarch/program/opcodes.def"
+#undef OCTOMARCH_OPCODE
+};
+
+/// Runs a tape whose coordinates lie in registers 0, 1, 2; returns the rows of its result.
+template <class Real>
+const Real* evaluate(const TapeView<Real>& tape, Real* registers, std::size_t count) {
+  for (const Instruction* i = tape.code; i != tape.code + tape.length; ++i) {
+    kValueHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape.constants + i->constants, registers, count);
+  }
+  return registers + tape.result * kLanes;
+}
+
+/// The same over duals: rows value, ∂/∂x, ∂/∂y, ∂/∂z of the result. Registers are four times as large.
+template <class Real>
+const Real* evaluate_dual(const TapeView<Real>& tape, Real* registers, std::size_t count) {
+  for (const Instruction* i = tape.code; i != tape.code + tape.length; ++i) {
+    kDualHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape.constants + i->constants, registers, count);
+  }
+  return registers + tape.result * 4 * kLanes;
+}
+
+}  // namespace octomarch::kernels::OCTOMARCH_ISA

@@ -1,0 +1,110 @@
+// Ray set-up before the march and illumination after it, in lanes: camera rays of a tile, what each light sends to each
+// point, and its Lambert and Phong terms (B. T. Phong, "Illumination for computer generated pictures", CACM 18(6), 1975).
+#pragma once
+
+#include "octomarch/kernels/lanes.hpp"
+#include "octomarch/kernels/api.hpp"
+#include "octomarch/ops/math.hpp"
+
+namespace octomarch::kernels::OCTOMARCH_ISA {
+
+template <class Real>
+void camera_rays(const CameraView<Real>& camera, const TileView& tile, const Vectors<Real>& out) {
+  using T = Lanes<Real>;
+  alignas(kAlignment) Real columns[kLanes];
+  alignas(kAlignment) Real rows[kLanes];
+  const std::size_t packets = std::size_t{tile.packets_across} * tile.packets_down;
+  for (std::size_t first = 0; first < packets; first += kPackets) {
+    // Pixel numbers of a block; those outside the picture become NaN, and so does their ray.
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const std::size_t packet = first + lane / kPacketLanes;
+      const std::size_t in_packet = lane % kPacketLanes;
+      const std::size_t i = tile.x + packet % tile.packets_across * kPacketWidth + in_packet % kPacketWidth;
+      const std::size_t j = tile.y + packet / tile.packets_across * kPacketHeight + in_packet / kPacketWidth;
+      const bool inside = i < tile.width && j < tile.height && packet < packets;
+      columns[lane] = inside ? static_cast<Real>(i) + Real(0.5) : std::numeric_limits<Real>::quiet_NaN();
+      rows[lane] = static_cast<Real>(j) + Real(0.5);
+    }
+    for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
+      const T s = T::load(columns + lane);
+      const T r = T::load(rows + lane);
+      const T x = T(camera.corner[0]) + s * T(camera.right[0]) + r * T(camera.down[0]);
+      const T y = T(camera.corner[1]) + s * T(camera.right[1]) + r * T(camera.down[1]);
+      const T z = T(camera.corner[2]) + s * T(camera.right[2]) + r * T(camera.down[2]);
+      const T scale = camera.perspective ? T(Real(1)) / sqrt(x * x + y * y + z * z) : T(Real(1));
+      const std::size_t i = first * kPacketLanes + lane;
+      (x * scale).store(out.x + i);
+      (y * scale).store(out.y + i);
+      (z * scale).store(out.z + i);
+    }
+  }
+}
+
+template <class Real>
+void light_samples(const SurfaceView<Real>& surface, const LightView<Real>& light, const LightSamples<Real>& out) {
+  using T = Lanes<Real>;
+  const std::size_t end = batches<Real>(surface.count) * kWidth<Real>;
+  for (std::size_t i = 0; i < end; i += kWidth<Real>) {
+    T lx = light.vector[0];
+    T ly = light.vector[1];
+    T lz = light.vector[2];
+    T distance = light.max_distance;
+    if (!light.directional) {
+      lx = lx - T::load(surface.origin.x + i);
+      ly = ly - T::load(surface.origin.y + i);
+      lz = lz - T::load(surface.origin.z + i);
+      distance = sqrt(lx * lx + ly * ly + lz * lz);
+      const T inverse = select(distance > T(Real(0)), T(Real(1)) / distance, T(Real(0)));
+      lx = lx * inverse;
+      ly = ly * inverse;
+      lz = lz * inverse;
+    }
+    lx.store(out.toward.x + i);
+    ly.store(out.toward.y + i);
+    lz.store(out.toward.z + i);
+    distance.store(out.distance + i);
+    const T cosine =
+        lx * T::load(surface.normal.x + i) + ly * T::load(surface.normal.y + i) + lz * T::load(surface.normal.z + i);
+    cosine.store(out.cosine + i);
+  }
+}
+
+template <class Real>
+void add_light(const SurfaceView<Real>& surface, const LightView<Real>& light, const LightSamples<Real>& samples,
+               const MaterialView<Real>& material) {
+  using T = Lanes<Real>;
+  const std::size_t end = batches<Real>(surface.count) * kWidth<Real>;
+  const T zero = Real(0);
+  for (std::size_t i = 0; i < end; i += kWidth<Real>) {
+    const T cosine = T::load(samples.cosine + i);
+    const Mask<Real> faces_light = cosine > zero;
+    T strength = T::load(samples.visibility + i);
+    if (!light.directional) {
+      for (int power = 0; power < light.decay; ++power) strength = strength / T::load(samples.distance + i);
+    }
+    strength = select(faces_light, strength, zero);
+
+    // mirror direction 2(n·l)n − l, against the ray's
+    const T twice = cosine + cosine;
+    const T rx = twice * T::load(surface.normal.x + i) - T::load(samples.toward.x + i);
+    const T ry = twice * T::load(surface.normal.y + i) - T::load(samples.toward.y + i);
+    const T rz = twice * T::load(surface.normal.z + i) - T::load(samples.toward.z + i);
+    const T aligned = -(rx * T::load(surface.direction.x + i) + ry * T::load(surface.direction.y + i) +
+                        rz * T::load(surface.direction.z + i));
+    const T lobe = ops::power(min(max(aligned, zero), T(Real(1))), T::load(material.exponent + i));
+    const T specular = T::load(material.specular + i);
+    const T metallic = T::load(material.metallic + i);
+    const T diffuse = T::load(material.diffuse + i) * cosine;
+
+    const Real* const albedo[3] = {material.albedo.x, material.albedo.y, material.albedo.z};
+    Real* const color[3] = {material.color.x, material.color.y, material.color.z};
+    for (std::size_t channel = 0; channel < 3; ++channel) {
+      const T base = T::load(albedo[channel] + i);
+      const T highlight = (specular + (base - specular) * metallic) * lobe;
+      const T lit = T(light.color[channel]) * strength * (base * diffuse + highlight);
+      (T::load(color[channel] + i) + lit).store(color[channel] + i);
+    }
+  }
+}
+
+}  // namespace octomarch::kernels::OCTOMARCH_ISA

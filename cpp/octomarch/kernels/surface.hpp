@@ -1,0 +1,152 @@
+// The field at given points: distances, gradients, normals, and ambient occlusion along them. Each walks its points in
+// blocks through the tape interpreter. The march comes before; shade.hpp uses what is found here.
+#pragma once
+
+#include <limits>
+
+#include "octomarch/kernels/evaluate.hpp"
+
+namespace octomarch::kernels::OCTOMARCH_ISA {
+
+template <class Real>
+inline constexpr Real kNaN = std::numeric_limits<Real>::quiet_NaN();
+
+/// Lanes of the block that begins at `first`.
+inline std::size_t lanes_in_block(std::size_t first, std::size_t count) {
+  return count - first < kLanes ? count - first : kLanes;
+}
+
+template <class Real>
+void distance(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, std::size_t count,
+              Real* out) {
+  using T = Lanes<Real>;
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const std::size_t n = batches<Real>(lanes_in_block(first, count));
+    for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+      T::load(points.x + first + lane).store(registers + lane);
+      T::load(points.y + first + lane).store(registers + kLanes + lane);
+      T::load(points.z + first + lane).store(registers + 2 * kLanes + lane);
+    }
+    const Real* field = evaluate(tape, registers, n);
+    for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+      const T x = T::load(points.x + first + lane);
+      const T y = T::load(points.y + first + lane);
+      const T z = T::load(points.z + first + lane);
+      // minima drop a NaN operand, so a NaN coordinate has to be looked for
+      const Mask<Real> number = (x == x) & (y == y) & (z == z);
+      select(number, T::load(field + lane), T(kNaN<Real>)).store(out + first + lane);
+    }
+  }
+}
+
+template <class Real>
+void gradient(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, std::size_t count,
+              const Vectors<Real>& out) {
+  using T = Lanes<Real>;
+  using Layout = RegisterLayout<Dual<T>>;
+  const T zero = Real(0);
+  const T one = Real(1);
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const std::size_t n = batches<Real>(lanes_in_block(first, count));
+    for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+      Layout::store({T::load(points.x + first + lane), one, zero, zero}, registers + lane);
+      Layout::store({T::load(points.y + first + lane), zero, one, zero}, registers + 4 * kLanes + lane);
+      Layout::store({T::load(points.z + first + lane), zero, zero, one}, registers + 8 * kLanes + lane);
+    }
+    const Real* field = evaluate_dual(tape, registers, n);
+    for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+      T::load(field + kLanes + lane).store(out.x + first + lane);
+      T::load(field + 2 * kLanes + lane).store(out.y + first + lane);
+      T::load(field + 3 * kLanes + lane).store(out.z + first + lane);
+    }
+  }
+}
+
+template <class Real>
+void central_difference(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points,
+                        std::size_t count, Real step, const Vectors<Real>& out) {
+  using T = Lanes<Real>;
+  const Real* const coordinates[3] = {points.x, points.y, points.z};
+  Real* const results[3] = {out.x, out.y, out.z};
+  alignas(kAlignment) Real ahead[kLanes];
+  for (std::size_t first = 0; first < count; first += kLanes) {
+    const std::size_t n = batches<Real>(lanes_in_block(first, count));
+    const auto sample = [&](std::size_t axis, const T& offset) {
+      for (std::size_t c = 0; c < 3; ++c) {
+        const T moved = c == axis ? offset : T(Real(0));
+        for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+          (T::load(coordinates[c] + first + lane) + moved).store(registers + c * kLanes + lane);
+        }
+      }
+      return evaluate(tape, registers, n);
+    };
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Real* field = sample(axis, T(step));
+      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) T::load(field + lane).store(ahead + lane);
+      field = sample(axis, T(-step));
+      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+        (T::load(ahead + lane) - T::load(field + lane)).store(results[axis] + first + lane);
+      }
+    }
+  }
+}
+
+template <class Real>
+void orient(const SurfaceView<Real>& surface) {
+  using T = Lanes<Real>;
+  const std::size_t end = batches<Real>(surface.count) * kWidth<Real>;
+  for (std::size_t i = 0; i < end; i += kWidth<Real>) {
+    const T gx = T::load(surface.normal.x + i);
+    const T gy = T::load(surface.normal.y + i);
+    const T gz = T::load(surface.normal.z + i);
+    const T length2 = gx * gx + gy * gy + gz * gz;
+    const Mask<Real> usable = (length2 > T(Real(0))) & (length2 < T(std::numeric_limits<Real>::infinity()));
+    const T inverse = T(Real(1)) / sqrt(length2);
+    const T nx = select(usable, gx * inverse, -T::load(surface.direction.x + i));
+    const T ny = select(usable, gy * inverse, -T::load(surface.direction.y + i));
+    const T nz = select(usable, gz * inverse, -T::load(surface.direction.z + i));
+    nx.store(surface.normal.x + i);
+    ny.store(surface.normal.y + i);
+    nz.store(surface.normal.z + i);
+    const T offset = T::load(surface.epsilon + i) * T(Real(2));
+    (T::load(surface.position.x + i) + nx * offset).store(surface.origin.x + i);
+    (T::load(surface.position.y + i) + ny * offset).store(surface.origin.y + i);
+    (T::load(surface.position.z + i) + nz * offset).store(surface.origin.z + i);
+  }
+}
+
+template <class Real>
+void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Real>& surface, int samples,
+               Real distance, Real* out) {
+  using T = Lanes<Real>;
+  alignas(kAlignment) Real missing[kLanes];
+  for (std::size_t first = 0; first < surface.count; first += kLanes) {
+    const std::size_t n = batches<Real>(lanes_in_block(first, surface.count));
+    for (Real& lane : missing) lane = 0;
+    Real weight = 1;
+    Real expected = 0;
+    for (int sample = 1; sample <= samples; ++sample) {
+      weight *= Real(0.5);
+      const Real height = distance * Real(sample) / Real(samples);
+      expected += weight * height;
+      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+        const std::size_t i = first + lane;
+        const T h = height;
+        (T::load(surface.origin.x + i) + T::load(surface.normal.x + i) * h).store(registers + lane);
+        (T::load(surface.origin.y + i) + T::load(surface.normal.y + i) * h).store(registers + kLanes + lane);
+        (T::load(surface.origin.z + i) + T::load(surface.normal.z + i) * h).store(registers + 2 * kLanes + lane);
+      }
+      const Real* field = evaluate(tape, registers, n);
+      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+        const T lacking = max(T(height) - T::load(field + lane), T(Real(0)));
+        (T::load(missing + lane) + T(weight) * lacking).store(missing + lane);
+      }
+    }
+    for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+      const T share = min(T::load(missing + lane) / T(expected), T(Real(1)));
+      (T(Real(1)) - share).store(out + first + lane);
+    }
+  }
+}
+
+}  // namespace octomarch::kernels::OCTOMARCH_ISA

@@ -1,0 +1,103 @@
+// Operators over distances: the hard ones by comparison, the smooth ones by the quadratic polynomial blend (I. Quilez,
+// "smooth minimum", 2013). All keep the larger Lipschitz bound of their operands: a blend's gradient is a convex
+// combination of theirs. Intersections and differences give lower bounds of the true distance.
+#pragma once
+
+#include "octomarch/ops/number.hpp"
+
+namespace octomarch::ops {
+
+/// Operators without constants take the (empty) list all the same, so that every operator is built alike.
+struct NoConstants {
+  template <class Real>
+  explicit NoConstants(const Real* /*none*/) {}
+};
+
+template <class C>
+struct Union : NoConstants {
+  using NoConstants::NoConstants;
+  template <class T>
+  T operator()(const T& a, const T& b) const {
+    return min(a, b);
+  }
+};
+
+template <class C>
+struct Intersection : NoConstants {
+  using NoConstants::NoConstants;
+  template <class T>
+  T operator()(const T& a, const T& b) const {
+    return max(a, b);
+  }
+};
+
+/// a without b.
+template <class C>
+struct Difference : NoConstants {
+  using NoConstants::NoConstants;
+  template <class T>
+  T operator()(const T& a, const T& b) const {
+    return max(a, -b);
+  }
+};
+
+template <class C>
+struct Complement : NoConstants {
+  using NoConstants::NoConstants;
+  template <class T>
+  T operator()(const T& a) const {
+    return -a;
+  }
+};
+
+/// What a smooth operator takes from the smaller, or adds to the larger, of two distances that differ by `gap`:
+/// max(k − |gap|, 0)²/(4k). Constants: k, 1/(4k).
+template <class C>
+struct Blend {
+  C k, quarter_inverse, zero;
+  template <class Real>
+  explicit Blend(const Real* p) : k(p[0]), quarter_inverse(p[1]), zero(Real(0)) {}
+
+  template <class T>
+  T operator()(const T& gap) const {
+    return square(max(k - abs(gap), zero)) * quarter_inverse;
+  }
+};
+
+template <class C>
+struct SmoothUnion {
+  Blend<C> blend;
+  template <class Real>
+  explicit SmoothUnion(const Real* p) : blend(p) {}
+
+  template <class T>
+  T operator()(const T& a, const T& b) const {
+    return min(a, b) - blend(a - b);
+  }
+};
+
+template <class C>
+struct SmoothIntersection {
+  Blend<C> blend;
+  template <class Real>
+  explicit SmoothIntersection(const Real* p) : blend(p) {}
+
+  template <class T>
+  T operator()(const T& a, const T& b) const {
+    return max(a, b) + blend(a - b);
+  }
+};
+
+template <class C>
+struct SmoothDifference {
+  Blend<C> blend;
+  template <class Real>
+  explicit SmoothDifference(const Real* p) : blend(p) {}
+
+  template <class T>
+  T operator()(const T& a, const T& b) const {
+    return max(a, -b) + blend(a + b);
+  }
+};
+
+}  // namespace octomarch::ops

@@ -1,0 +1,280 @@
+#include "octomarch/program/analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace octomarch {
+
+namespace {
+
+using Axis3 = std::array<double, 3>;
+
+Axis3 array_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+Vec3 vector_of(const Axis3& a) { return {a[0], a[1], a[2]}; }
+
+template <class Function>
+Vec3 per_axis(const Vec3& a, const Vec3& b, Function&& f) {
+  return {f(a.x, b.x), f(a.y, b.y), f(a.z, b.z)};
+}
+
+Vec3 smaller(const Vec3& a, const Vec3& b) {
+  return per_axis(a, b, [](double u, double v) { return std::min(u, v); });
+}
+Vec3 larger(const Vec3& a, const Vec3& b) {
+  return per_axis(a, b, [](double u, double v) { return std::max(u, v); });
+}
+
+LevelBox about_origin(const Vec3& half) { return {half * -1.0, half}; }
+
+/// Half extents of a solid of revolution: `radial` across its axis, `axial` along it.
+Vec3 extents(double radial, double axial, double axis) {
+  Axis3 half{radial, radial, radial};
+  half[static_cast<std::size_t>(axis)] = axial;
+  return vector_of(half);
+}
+
+/// A plane bounds an axis only when its normal lies along it.
+LevelBox plane_box(const Node& node) {
+  Axis3 lo{-kInfinity, -kInfinity, -kInfinity};
+  Axis3 hi{kInfinity, kInfinity, kInfinity};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (node.parameter(axis) == 1.0) hi[axis] = -node.parameter(3);
+    if (node.parameter(axis) == -1.0) lo[axis] = node.parameter(3);
+  }
+  return {vector_of(lo), vector_of(hi)};
+}
+
+LevelBox capsule_box(const Node& node) {
+  const Vec3 a{node.parameter(0), node.parameter(1), node.parameter(2)};
+  const Vec3 b{node.parameter(3), node.parameter(4), node.parameter(5)};
+  const Vec3 radius{node.parameter(6), node.parameter(6), node.parameter(6)};
+  return {smaller(a, b) - radius, larger(a, b) + radius};
+}
+
+bool is_bounded(const LevelBox& box) { return is_finite(box.lo) && is_finite(box.hi); }
+
+LevelBox hull(const LevelBox& a, const LevelBox& b) {
+  return {smaller(a.lo, b.lo), larger(a.hi, b.hi), larger(a.growth, b.growth)};
+}
+
+LevelBox overlap(const LevelBox& a, const LevelBox& b) {
+  return {larger(a.lo, b.lo), smaller(a.hi, b.hi), larger(a.growth, b.growth)};
+}
+
+LevelBox grown(const LevelBox& box, double level) {
+  return {box.lo - box.growth * level, box.hi + box.growth * level, box.growth};
+}
+
+LevelBox moved(const LevelBox& box, const Vec3& offset) { return {box.lo + offset, box.hi + offset, box.growth}; }
+
+LevelBox scaled(const LevelBox& box, double factor) { return {box.lo * factor, box.hi * factor, box.growth}; }
+
+/// Bounds of the rotated box. An axis that is empty at level 0 counts as a point there.
+LevelBox rotated(const LevelBox& box, std::span<const double> rotation) {
+  const Axis3 lo = array_of(box.lo);
+  const Axis3 hi = array_of(box.hi);
+  const Axis3 growth = array_of(box.growth);
+  Axis3 new_lo{};
+  Axis3 new_hi{};
+  Axis3 new_growth{};
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      const double weight = rotation[row * 3 + column];
+      if (weight == 0.0) continue;  // 0·∞ is no bound
+      const double low = std::min(lo[column], hi[column]) * weight;
+      const double high = std::max(lo[column], hi[column]) * weight;
+      new_lo[row] += std::min(low, high);
+      new_hi[row] += std::max(low, high);
+      new_growth[row] += std::fabs(weight) * growth[column];
+    }
+  }
+  return {vector_of(new_lo), vector_of(new_hi), vector_of(new_growth)};
+}
+
+LevelBox repeated(const LevelBox& box, const Node& node) {
+  Axis3 lo = array_of(box.lo);
+  Axis3 hi = array_of(box.hi);
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const RepeatAxis repeat = repeat_axis(node, axis);
+    if (repeat.period == 0.0) continue;
+    lo[axis] -= repeat.limit * repeat.period;
+    hi[axis] += repeat.limit * repeat.period;
+  }
+  return {vector_of(lo), vector_of(hi), box.growth};
+}
+
+unsigned plane_symmetry(const Node& node) {
+  unsigned mirrors = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (node.parameter(axis) == 0.0) mirrors |= kMirrorX << axis;
+  }
+  return mirrors;
+}
+
+/// A capsule mirrors onto itself where its ends keep their coordinate 0, or change places.
+unsigned capsule_symmetry(const Node& node) {
+  unsigned mirrors = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool in_mirror = node.parameter(axis) == 0.0 && node.parameter(axis + 3) == 0.0;
+    bool exchanged = node.parameter(axis) == -node.parameter(axis + 3);
+    for (std::size_t other = 0; other < 3; ++other) {
+      if (other != axis) exchanged = exchanged && node.parameter(other) == node.parameter(other + 3);
+    }
+    if (in_mirror || exchanged) mirrors |= kMirrorX << axis;
+  }
+  return mirrors;
+}
+
+/// Mirror bits carried through a rotation: an axis keeps its bit where the rotation takes it to an axis.
+unsigned rotated_symmetry(unsigned symmetry, std::span<const double> rotation) {
+  if ((symmetry & kIsotropic) != 0) return symmetry;
+  unsigned mirrors = 0;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      const bool onto = std::fabs(rotation[row * 3 + column]) == 1.0;
+      if (onto && (symmetry & (kMirrorX << column)) != 0) mirrors |= kMirrorX << row;
+    }
+  }
+  return mirrors;
+}
+
+unsigned translated_symmetry(unsigned symmetry, const Node& node) {
+  unsigned mirrors = symmetry & kMirrorAll;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (node.parameter(axis) != 0.0) mirrors &= ~(kMirrorX << axis);
+  }
+  return mirrors;
+}
+
+FieldFacts primitive(const LevelBox& box, unsigned symmetry) {
+  FieldFacts facts;
+  facts.level = box;
+  if (is_bounded(box)) facts.focus = box;
+  facts.symmetry = symmetry;
+  return facts;
+}
+
+FieldFacts union_facts(const Node& node, const std::vector<const FieldFacts*>& operands) {
+  FieldFacts facts = *operands[0];
+  for (std::size_t i = 1; i < operands.size(); ++i) {
+    const FieldFacts& other = *operands[i];
+    // a blend lowers the smaller operand by at most k/4: both sets at level k/4 hold the blended one
+    const double level = node.parameter(0) / 4.0;
+    facts.level = grown(hull(facts.level, other.level), level);
+    if (facts.focus && other.focus) {
+      facts.focus = grown(hull(*facts.focus, *other.focus), level);
+    } else if (other.focus) {
+      facts.focus = other.focus;
+    }
+    facts.lipschitz = std::max(facts.lipschitz, other.lipschitz);
+    facts.symmetry &= other.symmetry;
+  }
+  return facts;
+}
+
+FieldFacts intersection_facts(const std::vector<const FieldFacts*>& operands) {
+  FieldFacts facts = *operands[0];
+  for (std::size_t i = 1; i < operands.size(); ++i) {
+    facts.level = overlap(facts.level, operands[i]->level);
+    facts.lipschitz = std::max(facts.lipschitz, operands[i]->lipschitz);
+    facts.symmetry &= operands[i]->symmetry;
+  }
+  facts.focus = is_bounded(facts.level) ? std::optional(facts.level) : std::nullopt;
+  return facts;
+}
+
+FieldFacts difference_facts(const std::vector<const FieldFacts*>& operands) {
+  FieldFacts facts = *operands[0];
+  for (std::size_t i = 1; i < operands.size(); ++i) {
+    facts.lipschitz = std::max(facts.lipschitz, operands[i]->lipschitz);
+    facts.symmetry &= operands[i]->symmetry;
+  }
+  return facts;
+}
+
+/// Facts of a node with one child: its boxes carried along, its symmetry given.
+template <class Move>
+FieldFacts carried(const FieldFacts& child, unsigned symmetry, Move&& move) {
+  FieldFacts facts = child;
+  facts.level = move(child.level);
+  if (child.focus) facts.focus = move(*child.focus);
+  if (facts.focus && !is_bounded(*facts.focus)) facts.focus.reset();
+  facts.symmetry = symmetry;
+  return facts;
+}
+
+FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& children) {
+  const auto p = node.parameters();
+  switch (node.kind()) {
+    case NodeKind::kSphere:
+      return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll | kIsotropic);
+    case NodeKind::kBox:
+      return primitive(about_origin({p[0], p[1], p[2]}), kMirrorAll);
+    case NodeKind::kPlane:
+      return primitive(plane_box(node), plane_symmetry(node));
+    case NodeKind::kCylinder:
+      return primitive(about_origin(extents(p[0], kInfinity, p[1])), kMirrorAll);
+    case NodeKind::kCappedCylinder:
+      return primitive(about_origin(extents(p[0], p[1], p[2])), kMirrorAll);
+    case NodeKind::kTorus:
+      return primitive(about_origin(extents(p[0] + p[1], p[1], p[2])), kMirrorAll);
+    case NodeKind::kCapsule:
+      return primitive(capsule_box(node), capsule_symmetry(node));
+    case NodeKind::kUnion:
+      return union_facts(node, children);
+    case NodeKind::kIntersection:
+      return intersection_facts(children);
+    case NodeKind::kDifference:
+      return difference_facts(children);
+    case NodeKind::kComplement: {
+      FieldFacts facts;
+      facts.lipschitz = children[0]->lipschitz;
+      facts.symmetry = children[0]->symmetry;
+      return facts;
+    }
+    case NodeKind::kTranslate:
+      return carried(*children[0], translated_symmetry(children[0]->symmetry, node),
+                     [&](const LevelBox& box) { return moved(box, {p[0], p[1], p[2]}); });
+    case NodeKind::kRotate:
+      return carried(*children[0], rotated_symmetry(children[0]->symmetry, p),
+                     [&](const LevelBox& box) { return rotated(box, p); });
+    case NodeKind::kScale:
+      return carried(*children[0], children[0]->symmetry, [&](const LevelBox& box) { return scaled(box, p[0]); });
+    case NodeKind::kRepeat:
+      return carried(*children[0], children[0]->symmetry & kMirrorAll,
+                     [&](const LevelBox& box) { return repeated(box, node); });
+    case NodeKind::kPaint:
+      return *children[0];
+  }
+  return {};
+}
+
+}  // namespace
+
+FactTable analyse(const Node& root) {
+  FactTable facts;
+  std::vector<std::pair<const Node*, bool>> stack{{&root, false}};
+  std::vector<const FieldFacts*> children;
+  while (!stack.empty()) {
+    const auto [node, children_done] = stack.back();
+    stack.pop_back();
+    if (facts.contains(node)) continue;
+    if (!children_done) {
+      stack.emplace_back(node, true);
+      for (const NodePtr& child : node->children()) stack.emplace_back(child.get(), false);
+      continue;
+    }
+    children.clear();
+    for (const NodePtr& child : node->children()) children.push_back(&facts.at(child.get()));
+    facts.emplace(node, facts_of(*node, children));
+  }
+  return facts;
+}
+
+bool is_signed_permutation(const Mat3& rotation) {
+  return std::all_of(rotation.begin(), rotation.end(),
+                     [](double entry) { return entry == 0.0 || std::fabs(entry) == 1.0; });
+}
+
+}  // namespace octomarch

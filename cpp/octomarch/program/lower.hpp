@@ -1,0 +1,24 @@
+// Lowering: from the node graph to data flow. Transforms do not become instructions where they can be folded into a
+// primitive's constants; a shape used twice in one place is computed once. After it comes the allocator.
+#pragma once
+
+#include "octomarch/program/analysis.hpp"
+#include "octomarch/program/dataflow.hpp"
+#include "octomarch/program/program.hpp"
+
+namespace octomarch {
+
+struct Lowered {
+  DataFlow flow;
+  ValueId distance = 0;
+  ValueId object = 0;               ///< value that holds the object id; attributes only
+  std::vector<Object> objects;      ///< attributes only
+  std::vector<Material> materials;  ///< attributes only
+};
+
+enum class LoweringOf : std::uint8_t { kDistance, kAttributes };
+
+/// O(n) expected in the distinct (node, placement) pairs, constant stack. `facts`: of every node below `root`.
+Lowered lower(const Node& root, const FactTable& facts, LoweringOf what);
+
+}  // namespace octomarch

@@ -1,0 +1,44 @@
+// Placement: where a node stands while the graph is lowered. Coordinates flow down through it, and each primitive is
+// emitted with the placement folded into its constants.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "octomarch/graph/node.hpp"
+#include "octomarch/program/dataflow.hpp"
+
+namespace octomarch {
+
+/// Local coordinates of a node, relative to coordinates that exist as values: p_frame = scale·rotation·p_local + offset.
+/// Frames are isometric to the world, so distances in them are world distances.
+struct Placement {
+  std::array<ValueId, 3> frame{0, 1, 2};
+  double scale = 1.0;
+  Mat3 rotation = kIdentity3;
+  Vec3 offset;
+  std::int32_t material = -1;  ///< of the innermost paint around the node so far; −1 = none
+
+  friend bool operator==(const Placement&, const Placement&) = default;
+};
+
+struct PlacementHash {
+  std::size_t operator()(const Placement& placement) const noexcept;
+};
+
+/// The placement of the child of a kTranslate, kRotate or kScale node.
+Placement child_placement(const Placement& parent, const Node& transform);
+
+/// The same place with axes along the frame's: where the rotation is no signed permutation, coordinates are turned by
+/// one instruction, shared by all that stands in the same turned frame.
+Placement aligned(const Placement& placement, DataFlow& flow);
+
+/// Placements of a kRepeat node's child: one, or 2ᵐ where the child lacks the mirror symmetry `symmetry` (analysis.hpp)
+/// on m of the repeated axes, so that the neighbouring cells are looked at too.
+std::vector<Placement> repeat_placements(const Placement& parent, const Node& repeat, unsigned symmetry, DataFlow& flow);
+
+/// Emits a primitive node as one instruction; returns its distance value.
+ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFlow& flow);
+
+}  // namespace octomarch

@@ -1,0 +1,71 @@
+// The compiled form of a shape: flat tapes with constants folded, and what is known of the field as a whole. Made by
+// compile() from the node graph; executed by kernels/, listed by listing.cpp. Lowering comes before, marching after.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "octomarch/base/types.hpp"
+#include "octomarch/graph/node.hpp"
+#include "octomarch/graph/scene.hpp"
+#include "octomarch/program/instruction.hpp"
+
+namespace octomarch {
+
+/// Straight-line code over registers. Registers 0, 1, 2 hold x, y, z at the start.
+struct Tape {
+  std::vector<Instruction> code;
+  std::vector<double> constants;
+  std::vector<float> constants_f32;  ///< the same, rounded once
+  std::uint32_t registers = 3;
+  std::uint16_t result = 0;
+};
+
+/// What the hit record's object_id stands for.
+struct Object {
+  NodeKind kind;
+  std::int32_t material;  ///< index into Attributes::materials
+};
+
+/// The second program, run once per hit: its result is the object id.
+struct Attributes {
+  Tape tape;
+  std::vector<Object> objects;      ///< distinct placed primitives, in order of first appearance, depth first
+  std::vector<Material> materials;  ///< distinct materials, in order of first appearance over the primitives
+};
+
+/// Immutable and safe to share between threads; the attributes are compiled when first asked for.
+class Program {
+ public:
+  explicit Program(NodePtr root);
+
+  const Tape& distance() const { return distance_; }
+  const Attributes& attributes() const;
+  /// |f(p) − f(q)| ≤ lipschitz·‖p − q‖: marchers divide by it.
+  double lipschitz() const { return lipschitz_; }
+  /// Holds every point of the solid; infinite where the solid may be.
+  const Aabb& bounds() const { return bounds_; }
+  /// The bounded part of the shape (a floor leaves it alone); nothing when no part is bounded.
+  const std::optional<Aabb>& focus() const { return focus_; }
+
+ private:
+  NodePtr root_;
+  Tape distance_;
+  double lipschitz_;
+  Aabb bounds_;
+  std::optional<Aabb> focus_;
+  mutable std::once_flag attributes_once_;
+  mutable Attributes attributes_;
+};
+
+/// Compiles a shape. O(n log n) in its distinct placed nodes, constant stack. Throws SceneError when it would need
+/// more than 65,535 registers.
+std::shared_ptr<const Program> compile(const NodePtr& root);
+
+/// The program as text: one line an instruction, then bounds and Lipschitz bound.
+std::string listing(const Program& program);
+
+}  // namespace octomarch

@@ -1,0 +1,80 @@
+// Aligned arrays for kernels, and views of programs over them: the scratch memory that each worker keeps.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <memory>
+#include <new>
+
+#include "octomarch/kernels/api.hpp"
+#include "octomarch/program/program.hpp"
+
+namespace octomarch {
+
+/// Zeroed, aligned to kernels::kAlignment; never copied.
+template <class T>
+class Buffer {
+ public:
+  Buffer() = default;
+  explicit Buffer(std::size_t size)
+      : data_(static_cast<T*>(::operator new[](size * sizeof(T), std::align_val_t{kernels::kAlignment}))), size_(size) {
+    std::fill_n(data_.get(), size, T{});
+  }
+
+  T* data() { return data_.get(); }
+  const T* data() const { return data_.get(); }
+  T& operator[](std::size_t i) { return data_[i]; }
+  const T& operator[](std::size_t i) const { return data_[i]; }
+  std::size_t size() const { return size_; }
+
+ private:
+  struct Free {
+    void operator()(T* p) const { ::operator delete[](p, std::align_val_t{kernels::kAlignment}); }
+  };
+  std::unique_ptr<T[], Free> data_;
+  std::size_t size_ = 0;
+};
+
+/// Three rows of a vector quantity.
+template <class T>
+struct VectorBuffer {
+  VectorBuffer() = default;
+  explicit VectorBuffer(std::size_t size) : x(size), y(size), z(size) {}
+
+  kernels::Vectors<T> view() { return {x.data(), y.data(), z.data()}; }
+  kernels::Vectors<const T> read() const { return {x.data(), y.data(), z.data()}; }
+
+  Buffer<T> x;
+  Buffer<T> y;
+  Buffer<T> z;
+};
+
+template <class Real>
+kernels::TapeView<Real> view(const Tape& tape) {
+  const Real* constants = nullptr;
+  if constexpr (sizeof(Real) == sizeof(float)) {
+    constants = tape.constants_f32.data();
+  } else {
+    constants = tape.constants.data();
+  }
+  return {tape.code.data(), tape.code.size(), constants, tape.registers, tape.result};
+}
+
+/// Register file of a tape; `components`: 1 for values, 4 for gradients.
+template <class Real>
+Buffer<Real> register_file(const Tape& tape, std::size_t components) {
+  return Buffer<Real>(std::size_t{tape.registers} * kernels::kLanes * components);
+}
+
+/// A double as Real, no farther out than the largest finite number.
+template <class Real>
+Real clamped(double value) {
+  constexpr double largest = static_cast<double>(std::numeric_limits<Real>::max());
+  return static_cast<Real>(std::clamp(value, -largest, largest));
+}
+
+/// 16 units of rounding error, the relative part of every hit epsilon (see March in graph/scene.hpp).
+template <class Real>
+inline constexpr Real kUlpFloor = std::numeric_limits<Real>::epsilon() * Real(8);
+
+}  // namespace octomarch

@@ -1,0 +1,200 @@
+#include "octomarch/render/query.hpp"
+
+#include <optional>
+#include <vector>
+
+#include "octomarch/render/surface_pass.hpp"
+
+namespace octomarch {
+
+namespace {
+
+/// Points or rays per task: enough to keep blocks full, few enough that a cancelled query ends soon.
+std::size_t chunk_size(const Program& program) { return program.distance().code.size() < 1000 ? 4096 : 512; }
+
+/// Runs body(first, count, worker, cancelled) over [0, count) in chunks; one chunk of a small program stays on the
+/// calling thread, where starting another would cost more.
+template <class Body>
+void for_each_chunk(const Program& program, std::size_t count, const Execution& how, Body&& body) {
+  const std::size_t chunk = chunk_size(program);
+  const std::size_t tasks = (count + chunk - 1) / chunk;
+  if (tasks <= 1 && program.distance().code.size() < 1000) {
+    const bool never = false;
+    if (tasks == 1) body(std::size_t{0}, count, std::size_t{0}, never);
+    return;
+  }
+  parallel_for(
+      tasks, thread_count(how.threads),
+      [&](std::size_t task, std::size_t worker, const bool& cancelled) {
+        const std::size_t first = task * chunk;
+        body(first, std::min(chunk, count - first), worker, cancelled);
+      },
+      how.listener);
+}
+
+/// Points of one chunk as rows of Real.
+template <class Real>
+void split(const double* points, std::size_t count, VectorBuffer<Real>& rows) {
+  for (std::size_t i = 0; i < count; ++i) {
+    rows.x[i] = static_cast<Real>(points[3 * i]);
+    rows.y[i] = static_cast<Real>(points[3 * i + 1]);
+    rows.z[i] = static_cast<Real>(points[3 * i + 2]);
+  }
+}
+
+/// Scratch of one worker, made when it takes its first task.
+template <class Scratch, class... Arguments>
+Scratch& scratch_of(std::vector<std::optional<Scratch>>& all, std::size_t worker, const Arguments&... arguments) {
+  if (!all[worker]) all[worker].emplace(arguments...);
+  return *all[worker];
+}
+
+template <class Real>
+struct PointScratch {
+  PointScratch(const Program& program, std::size_t components, std::size_t size)
+      : registers(register_file<Real>(program.distance(), components)), points(size), out(size) {}
+
+  Buffer<Real> registers;
+  VectorBuffer<Real> points;
+  VectorBuffer<Real> out;
+};
+
+template <class Real>
+struct RayScratch {
+  RayScratch(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size)
+      : batch(size), length(size), t_max(size), epsilon(size), surface(program, kernels, size) {}
+
+  RayBatch<Real> batch;
+  std::vector<double> length;
+  Buffer<Real> t_max;
+  Buffer<Real> epsilon;
+  SurfacePass<Real> surface;
+};
+
+/// Fills origins, unit directions, t_max and epsilon of one chunk; directions that have no length become zero, which
+/// the march reports as invalid.
+template <class Real>
+void set_rays(RayScratch<Real>& s, const double* origins, const double* directions, std::size_t count,
+              const March& march, double t_max) {
+  split(origins, count, s.batch.origin);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Vec3 d{directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]};
+    const Vec3 o{origins[3 * i], origins[3 * i + 1], origins[3 * i + 2]};
+    const bool usable = is_finite(d) && !(d == Vec3{});
+    const Vec3 unit = usable ? normalized(d) : Vec3{};
+    s.length[i] = usable ? length(d) : 1.0;
+    s.batch.direction.x[i] = static_cast<Real>(unit.x);
+    s.batch.direction.y[i] = static_cast<Real>(unit.y);
+    s.batch.direction.z[i] = static_cast<Real>(unit.z);
+    s.t_max[i] = clamped<Real>(std::min(march.max_distance, t_max * s.length[i]));
+    const double farthest = std::max({std::fabs(o.x), std::fabs(o.y), std::fabs(o.z)});
+    s.epsilon[i] = clamped<Real>(std::max(march.epsilon, static_cast<double>(kUlpFloor<Real>) * farthest));
+  }
+}
+
+template <class Real>
+kernels::Column<Real> column(const Buffer<Real>& values) {
+  return {values.data(), 0};
+}
+
+/// Writes the surface quantities of one chunk over the values that rays without a surface have.
+template <class Real>
+void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t first, std::size_t count,
+                    const RayColumns<Real>& columns, const Hits<Real>& out) {
+  if (out.position) std::fill_n(out.position + 3 * first, 3 * count, Real(0));
+  if (out.normal) std::fill_n(out.normal + 3 * first, 3 * count, Real(0));
+  if (out.object_id) std::fill_n(out.object_id + first, count, -1);
+  if (out.material_id) std::fill_n(out.material_id + first, count, -1);
+  SurfacePass<Real>& surface = s.surface;
+  surface.gather(s.batch, columns, column(s.epsilon), count);
+  if (out.normal) surface.find_normals(Shading{});
+  if (out.object_id || out.material_id) surface.find_objects();
+  for (std::size_t i = 0; i < surface.count(); ++i) {
+    const std::size_t ray = first + surface.ray(i);
+    const auto write = [&](Real* plane, const VectorBuffer<Real>& rows) {
+      if (plane == nullptr) return;
+      plane[3 * ray] = rows.x[i];
+      plane[3 * ray + 1] = rows.y[i];
+      plane[3 * ray + 2] = rows.z[i];
+    };
+    write(out.position, surface.position);
+    write(out.normal, surface.normal);
+    if (out.object_id) out.object_id[ray] = surface.object(i);
+    if (out.material_id) {
+      out.material_id[ray] = program.attributes().objects[static_cast<std::size_t>(surface.object(i))].material;
+    }
+  }
+}
+
+}  // namespace
+
+template <class Real>
+void query_distance(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
+  std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
+  for_each_chunk(program, count, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool&) {
+    auto& s = scratch_of(scratch, worker, program, std::size_t{1}, chunk_size(program));
+    split(points + 3 * first, n, s.points);
+    how.isa->table<Real>().distance(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
+                                    s.out.x.data());
+    std::copy_n(s.out.x.data(), n, out + first);
+  });
+}
+
+template <class Real>
+void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
+  std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
+  for_each_chunk(program, count, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool&) {
+    auto& s = scratch_of(scratch, worker, program, std::size_t{4}, chunk_size(program));
+    split(points + 3 * first, n, s.points);
+    how.isa->table<Real>().gradient(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
+                                    s.out.view());
+    for (std::size_t i = 0; i < n; ++i) {
+      const Real sum = s.points.x[i] + s.points.y[i] + s.points.z[i];
+      const bool is_nan = sum != sum;
+      const Real nan = std::numeric_limits<Real>::quiet_NaN();
+      out[3 * (first + i)] = is_nan ? nan : s.out.x[i];
+      out[3 * (first + i) + 1] = is_nan ? nan : s.out.y[i];
+      out[3 * (first + i) + 2] = is_nan ? nan : s.out.z[i];
+    }
+  });
+}
+
+template <class Real>
+void query_rays(const Program& program, const double* origins, const double* directions, std::size_t count,
+                const March& march, double t_max, const Hits<Real>& out, const Execution& how) {
+  const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
+  std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
+  for_each_chunk(program, count, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+    auto& s = scratch_of(scratch, worker, program, kernels, chunk_size(program));
+    set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
+    const RayColumns<Real> columns{column(s.batch.origin.x),    column(s.batch.origin.y),    column(s.batch.origin.z),
+                                   column(s.batch.direction.x), column(s.batch.direction.y), column(s.batch.direction.z),
+                                   kUlpFloor<Real>};
+    const kernels::RayView<Real> rays{columns.ox, columns.oy,        columns.oz,       columns.dx, columns.dy,
+                                      columns.dz, column(s.t_max), column(s.epsilon), n};
+    const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / program.lipschitz()), kUlpFloor<Real>,
+                                                    march.max_steps, march.secant_finish, &cancelled};
+    const kernels::MarchOutput<Real> found{s.batch.t.data(), s.batch.status.data(),
+                                           out.steps ? out.steps + first : nullptr};
+    kernels::Counters counters;
+    kernels.march(view<Real>(program.distance()), s.surface.registers(), rays, parameters, found, counters);
+    for (std::size_t i = 0; i < n; ++i) {
+      out.t[first + i] = static_cast<Real>(static_cast<double>(s.batch.t[i]) / s.length[i]);
+    }
+    if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
+    if (out.position || out.normal || out.object_id || out.material_id) {
+      write_surfaces(s, program, first, n, columns, out);
+    }
+  });
+}
+
+template void query_distance(const Program&, const double*, std::size_t, float*, const Execution&);
+template void query_distance(const Program&, const double*, std::size_t, double*, const Execution&);
+template void query_gradient(const Program&, const double*, std::size_t, float*, const Execution&);
+template void query_gradient(const Program&, const double*, std::size_t, double*, const Execution&);
+template void query_rays(const Program&, const double*, const double*, std::size_t, const March&, double,
+                         const Hits<float>&, const Execution&);
+template void query_rays(const Program&, const double*, const double*, std::size_t, const March&, double,
+                         const Hits<double>&, const Execution&);
+
+}  // namespace octomarch

@@ -1,0 +1,68 @@
+#include "octomarch/render/render.hpp"
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+#include "octomarch/render/tile.hpp"
+
+namespace octomarch {
+
+namespace {
+
+/// Values of pixels where no surface is; the tiles overwrite the others.
+template <class Real>
+void clear(const Planes<Real>& planes, std::size_t pixels) {
+  if (planes.color) std::fill_n(planes.color, pixels * 3, Real(0));
+  if (planes.position) std::fill_n(planes.position, pixels * 3, Real(0));
+  if (planes.normal) std::fill_n(planes.normal, pixels * 3, Real(0));
+  if (planes.object_id) std::fill_n(planes.object_id, pixels, -1);
+  if (planes.material_id) std::fill_n(planes.material_id, pixels, -1);
+}
+
+void add(kernels::Counters& sum, const kernels::Counters& part) {
+  sum.evaluations += part.evaluations;
+  sum.lane_slots += part.lane_slots;
+  sum.packets += part.packets;
+}
+
+void add(RenderStats& sum, const RenderStats& part) {
+  add(sum.primary, part.primary);
+  add(sum.shadow, part.shadow);
+  sum.shadow_rays += part.shadow_rays;
+  sum.gradient_evaluations += part.gradient_evaluations;
+  sum.occlusion_evaluations += part.occlusion_evaluations;
+  sum.attribute_evaluations += part.attribute_evaluations;
+  sum.seconds_march += part.seconds_march;
+  sum.seconds_shade += part.seconds_shade;
+}
+
+}  // namespace
+
+template <class Real>
+RenderStats render(const Picture& picture, const Planes<Real>& planes, const kernels::Isa& isa, unsigned threads,
+                   const Listener& listener) {
+  const TileGrid grid(picture);
+  const unsigned workers = thread_count(threads);
+  clear(planes, std::size_t{picture.width} * picture.height);
+  std::vector<std::unique_ptr<TileRenderer<Real>>> renderers(std::min<std::size_t>(workers, grid.count()));
+  parallel_for(
+      grid.count(), workers,
+      [&](std::size_t tile, std::size_t worker, const bool& cancelled) {
+        auto& renderer = renderers[worker];
+        if (!renderer) renderer = std::make_unique<TileRenderer<Real>>(picture, planes, isa.table<Real>(), grid);
+        renderer->render(tile, cancelled);
+      },
+      listener);
+  RenderStats stats;
+  for (const auto& renderer : renderers) {
+    if (renderer) add(stats, renderer->stats());
+  }
+  return stats;
+}
+
+template RenderStats render<float>(const Picture&, const Planes<float>&, const kernels::Isa&, unsigned, const Listener&);
+template RenderStats render<double>(const Picture&, const Planes<double>&, const kernels::Isa&, unsigned,
+                                    const Listener&);
+
+}  // namespace octomarch

@@ -1,0 +1,54 @@
+// Rendering: a program, a scene, a camera and settings become the planes that were asked for, tile by tile over all
+// cores. Compilation comes before; the bindings hand the planes to numpy.
+#pragma once
+
+#include <cstdint>
+
+#include "octomarch/base/parallel.hpp"
+#include "octomarch/graph/scene.hpp"
+#include "octomarch/kernels/dispatch.hpp"
+#include "octomarch/program/program.hpp"
+
+namespace octomarch {
+
+/// Where each plane goes, row 0 at the top; null for a plane that is not wanted and will not be computed.
+template <class Real>
+struct Planes {
+  Real* color = nullptr;     ///< (height, width, 3), linear
+  Real* depth = nullptr;     ///< t along the unit direction; +inf on a miss
+  Real* position = nullptr;  ///< (height, width, 3)
+  Real* normal = nullptr;    ///< (height, width, 3)
+  std::int32_t* object_id = nullptr;
+  std::int32_t* material_id = nullptr;
+  std::int32_t* steps = nullptr;
+  std::uint8_t* status = nullptr;
+};
+
+struct Picture {
+  const Program* program;
+  const Scene* scene;
+  Camera camera;
+  March march;
+  Shading shading;
+  std::uint32_t width;
+  std::uint32_t height;
+};
+
+/// Exact counts of the work, and seconds summed over the workers.
+struct RenderStats {
+  kernels::Counters primary;
+  kernels::Counters shadow;
+  std::uint64_t shadow_rays = 0;
+  std::uint64_t gradient_evaluations = 0;
+  std::uint64_t occlusion_evaluations = 0;
+  std::uint64_t attribute_evaluations = 0;
+  double seconds_march = 0.0;
+  double seconds_shade = 0.0;
+};
+
+/// Contract: width, height ≥ 1; planes are width × height. Throws what the listener throws.
+template <class Real>
+RenderStats render(const Picture& picture, const Planes<Real>& planes, const kernels::Isa& isa, unsigned threads,
+                   const Listener& listener);
+
+}  // namespace octomarch

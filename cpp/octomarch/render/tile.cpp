@@ -1,0 +1,181 @@
+#include "octomarch/render/tile.hpp"
+
+#include <chrono>
+
+namespace octomarch {
+
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+/// Calls f(pixel index in the picture, ray index in the tile) for each ray whose pixel lies in the picture.
+template <class Function>
+void for_each_pixel(const kernels::TileView& tile, Function&& f) {
+  for (std::uint32_t packet_y = 0; packet_y < tile.packets_down; ++packet_y) {
+    for (std::uint32_t packet_x = 0; packet_x < tile.packets_across; ++packet_x) {
+      const std::size_t first = (std::size_t{packet_y} * tile.packets_across + packet_x) * kernels::kPacketLanes;
+      for (std::size_t lane = 0; lane < kernels::kPacketLanes; ++lane) {
+        const std::size_t x = tile.x + packet_x * kernels::kPacketWidth + lane % kernels::kPacketWidth;
+        const std::size_t y = tile.y + packet_y * kernels::kPacketHeight + lane / kernels::kPacketWidth;
+        if (x < tile.width && y < tile.height) f(y * tile.width + x, first + lane);
+      }
+    }
+  }
+}
+
+std::size_t pixel_of(const kernels::TileView& tile, std::size_t ray) {
+  const std::size_t packet = ray / kernels::kPacketLanes;
+  const std::size_t lane = ray % kernels::kPacketLanes;
+  const std::size_t x = tile.x + packet % tile.packets_across * kernels::kPacketWidth + lane % kernels::kPacketWidth;
+  const std::size_t y = tile.y + packet / tile.packets_across * kernels::kPacketHeight + lane / kernels::kPacketWidth;
+  return y * tile.width + x;
+}
+
+template <class Real>
+void store(Real* plane, std::size_t pixel, Real x, Real y, Real z) {
+  plane[pixel * 3] = x;
+  plane[pixel * 3 + 1] = y;
+  plane[pixel * 3 + 2] = z;
+}
+
+}  // namespace
+
+/// Large tiles keep blocks full for longer; long programs get small ones, so that a cancelled render ends soon.
+TileGrid::TileGrid(const Picture& picture)
+    : width(picture.width),
+      height(picture.height),
+      edge(picture.program->distance().code.size() < 1000 ? 64 : 16),
+      across((width + edge - 1) / edge),
+      down((height + edge - 1) / edge) {}
+
+kernels::TileView TileGrid::tile(std::size_t index) const {
+  const std::uint32_t x = static_cast<std::uint32_t>(index % across) * edge;
+  const std::uint32_t y = static_cast<std::uint32_t>(index / across) * edge;
+  const auto packets = [](std::uint32_t pixels, std::size_t size) {
+    return static_cast<std::uint32_t>((pixels + size - 1) / size);
+  };
+  return {x, y, packets(std::min(edge, width - x), kernels::kPacketWidth),
+          packets(std::min(edge, height - y), kernels::kPacketHeight), width, height};
+}
+
+template <class Real>
+TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& planes,
+                                 const kernels::KernelTable<Real>& kernels, const TileGrid& grid)
+    : picture_(picture),
+      planes_(planes),
+      kernels_(kernels),
+      grid_(grid),
+      frame_(frame(picture.camera, picture.width, picture.height)),
+      batch_(kernels::padded_lanes(grid.rays())),
+      registers_(register_file<Real>(picture.program->distance(), 1)) {
+  const bool surfaces = planes.color || planes.position || planes.normal || planes.object_id || planes.material_id;
+  if (surfaces) surface_.emplace(*picture.program, kernels, batch_.t.size());
+  if (planes.color) illumination_.emplace(picture, kernels, batch_.t.size());
+
+  const auto column = [](const Real* values, double value) {
+    return kernels::Column<Real>{values, static_cast<Real>(value)};
+  };
+  const Vec3& fixed = frame_.fixed;
+  const bool perspective = frame_.perspective;
+  columns_.ox = perspective ? column(nullptr, fixed.x) : column(batch_.origin.x.data(), 0);
+  columns_.oy = perspective ? column(nullptr, fixed.y) : column(batch_.origin.y.data(), 0);
+  columns_.oz = perspective ? column(nullptr, fixed.z) : column(batch_.origin.z.data(), 0);
+  columns_.dx = perspective ? column(batch_.direction.x.data(), 0) : column(nullptr, fixed.x);
+  columns_.dy = perspective ? column(batch_.direction.y.data(), 0) : column(nullptr, fixed.y);
+  columns_.dz = perspective ? column(batch_.direction.z.data(), 0) : column(nullptr, fixed.z);
+
+  // hit epsilon: absolute, rounding error and pixel footprint (see March)
+  const auto reach = [&](double Vec3::*axis) {
+    if (perspective) return std::fabs(fixed.*axis);
+    return std::fabs(frame_.corner.*axis) + std::fabs(frame_.right.*axis) * picture.width +
+           std::fabs(frame_.down.*axis) * picture.height;
+  };
+  const double farthest = std::max({reach(&Vec3::x), reach(&Vec3::y), reach(&Vec3::z)});
+  const double floor = static_cast<double>(kUlpFloor<Real>);
+  const double tolerance = picture.march.pixel_tolerance;
+  epsilon_.value = clamped<Real>(std::max({picture.march.epsilon, floor * farthest, tolerance * frame_.pixel_radius}));
+  columns_.epsilon_slope = clamped<Real>(std::max(floor, tolerance * frame_.pixel_slope));
+}
+
+template <class Real>
+void TileRenderer<Real>::render(std::size_t index, const bool& cancelled) {
+  const kernels::TileView tile = grid_.tile(index);
+  const auto start = std::chrono::steady_clock::now();
+  march(tile, cancelled);
+  stats_.seconds_march += seconds_since(start);
+  if (is_set(cancelled)) return;
+
+  const auto shading_start = std::chrono::steady_clock::now();
+  write_rays(tile);
+  if (surface_) {
+    surface_->gather(batch_, columns_, epsilon_, rays_);
+    if (planes_.color || planes_.normal) stats_.gradient_evaluations += surface_->find_normals(picture_.shading);
+    const bool several = planes_.color && picture_.program->attributes().materials.size() > 1;
+    if (planes_.object_id || planes_.material_id || several) {
+      stats_.attribute_evaluations += surface_->find_objects();
+    }
+    if (illumination_) illumination_->run(*surface_, cancelled, stats_);
+    write_surfaces(tile);
+  }
+  if (planes_.color) write_sky(tile);
+  stats_.seconds_shade += seconds_since(shading_start);
+}
+
+template <class Real>
+void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancelled) {
+  rays_ = std::size_t{tile.packets_across} * tile.packets_down * kernels::kPacketLanes;
+  kernels_.camera_rays(view<Real>(frame_), tile, frame_.perspective ? batch_.direction.view() : batch_.origin.view());
+  const kernels::RayView<Real> rays{columns_.ox, columns_.oy, columns_.oz, columns_.dx, columns_.dy, columns_.dz,
+                                    {nullptr, clamped<Real>(picture_.march.max_distance)}, epsilon_, rays_};
+  const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / picture_.program->lipschitz()),
+                                                  columns_.epsilon_slope, picture_.march.max_steps,
+                                                  picture_.march.secant_finish, &cancelled};
+  const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.status.data(),
+                                       planes_.steps ? batch_.steps.data() : nullptr};
+  kernels_.march(octomarch::view<Real>(picture_.program->distance()), registers_.data(), rays, parameters, out,
+                 stats_.primary);
+}
+
+template <class Real>
+void TileRenderer<Real>::write_rays(const kernels::TileView& tile) {
+  if (planes_.depth) for_each_pixel(tile, [&](auto pixel, auto ray) { planes_.depth[pixel] = batch_.t[ray]; });
+  if (planes_.status) for_each_pixel(tile, [&](auto pixel, auto ray) { planes_.status[pixel] = batch_.status[ray]; });
+  if (planes_.steps) for_each_pixel(tile, [&](auto pixel, auto ray) { planes_.steps[pixel] = batch_.steps[ray]; });
+}
+
+template <class Real>
+void TileRenderer<Real>::write_surfaces(const kernels::TileView& tile) {
+  const auto& p = planes_;
+  const SurfacePass<Real>& s = *surface_;
+  for (std::size_t i = 0; i < s.count(); ++i) {
+    const std::size_t pixel = pixel_of(tile, s.ray(i));
+    if (p.position) store(p.position, pixel, s.position.x[i], s.position.y[i], s.position.z[i]);
+    if (p.normal) store(p.normal, pixel, s.normal.x[i], s.normal.y[i], s.normal.z[i]);
+    if (p.object_id) p.object_id[pixel] = s.object(i);
+    if (p.material_id) {
+      p.material_id[pixel] = picture_.program->attributes().objects[static_cast<std::size_t>(s.object(i))].material;
+    }
+    if (p.color) {
+      const Vec3 color = illumination_->color(i);
+      store(p.color, pixel, static_cast<Real>(color.x), static_cast<Real>(color.y), static_cast<Real>(color.z));
+    }
+  }
+}
+
+template <class Real>
+void TileRenderer<Real>::write_sky(const kernels::TileView& tile) {
+  for_each_pixel(tile, [&](auto pixel, auto ray) {
+    if (static_cast<Status>(batch_.status[ray]) != Status::kMiss) return;
+    const Vec3 color =
+        sky_color<Real>(picture_.scene->sky, RayColumns<Real>::at(columns_.dx, ray),
+                        RayColumns<Real>::at(columns_.dy, ray), RayColumns<Real>::at(columns_.dz, ray));
+    store(planes_.color, pixel, static_cast<Real>(color.x), static_cast<Real>(color.y), static_cast<Real>(color.z));
+  });
+}
+
+template class TileRenderer<float>;
+template class TileRenderer<double>;
+
+}  // namespace octomarch
