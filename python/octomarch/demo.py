@@ -45,23 +45,23 @@ def blend() -> Demo:
     ball = sphere(1.0)
     cube = box(1.5).translate(0.9, 0.3, 0)
     results = {
-        -4.8: ball.union(cube, smooth=0.25).paint(Material((0.80, 0.30, 0.12), roughness=0.35, specular=0.4)),
-        -1.6: (ball | cube).paint(Material((0.08, 0.32, 0.36), roughness=0.4)),
-        1.6: (ball & cube).paint(Material((0.78, 0.55, 0.16), roughness=0.3, metallic=0.6)),
-        4.8: (ball - cube).paint(Material((0.42, 0.12, 0.20), roughness=0.45)),
+        -4.9: ball.union(cube, smooth=0.25).paint(Material((0.85, 0.28, 0.10), roughness=0.35, specular=0.4)),
+        -1.5: (ball | cube).paint(Material((0.06, 0.34, 0.38), roughness=0.4)),
+        1.6: (ball & cube).paint(Material((0.90, 0.62, 0.14), roughness=0.35, specular=0.4)),
+        4.2: (ball - cube).paint(Material((0.50, 0.12, 0.24), roughness=0.4)),
     }
-    floor = plane(normal=(0, 1, 0), point=(0, -1, 0)).paint(Material((0.52, 0.50, 0.47), roughness=0.9, specular=0.05))
+    floor = plane(normal=(0, 1, 0), point=(0, -1, 0)).paint(Material((0.46, 0.45, 0.44), roughness=0.9, specular=0.05))
     row = [shape.translate(x, 0, 0) for x, shape in results.items()]
     scene = Scene(
         floor.union(*row),
-        sky=Sky(toward=(0.02, 0.12, 0.30), away=0.02, base=(0.58, 0.62, 0.66)),
-        ambient=(0.16, 0.18, 0.22),
+        sky=Sky(toward=(0.02, 0.12, 0.30), away=0.02, base=(0.60, 0.64, 0.68)),
+        ambient=(0.17, 0.19, 0.22),
         lights=[
-            DirectionalLight(direction=(0.6, -1.0, -0.55), color=(0.95, 0.88, 0.78)),
+            DirectionalLight(direction=(0.7, -1.0, -0.5), color=(0.95, 0.88, 0.78)),
             PointLight(position=(9, 5, 8), color=(16, 20, 26)),
         ],
     )
-    return Demo(scene, Camera(eye=(2.2, 4.6, 13.5), target=(0.2, -0.1, 0), fov=32))
+    return Demo(scene, Camera(eye=(2.5, 3.2, 13.5), target=(0, -0.2, 0), fov=30))
 
 
 def building() -> Demo:
