@@ -99,7 +99,7 @@ def test_default_distance_reaches_across_the_bounds():
     shot = corner.raycast([[0, 2, 0], [-100, 2, 0]], [1, 0.95, 1])
     assert shot.t.shape == (2,)
     floor = om.plane() | om.sphere(1.0)
-    assert floor.raycast([50, 1, 0], [1, -1e-2, 0]).status == om.Status.HIT
+    assert floor.raycast([50, 1, 0], [1, -1e-2, 0], march=om.March(max_steps=2000)).status == om.Status.HIT
 
 
 def test_ids_tell_objects_and_materials_apart():

@@ -18,7 +18,7 @@ Basis: TypeAlias = tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.fl
 
 _FRAMING_DIRECTION = (0.62, 0.5, 1.0)  # from the scene to the eye: to the right, above, in front
 _FRAMING_FOV = 35.0
-_FRAMING_MARGIN = 1.08
+_FRAMING_MARGIN = 1.04
 
 
 @dataclass(frozen=True, init=False)
@@ -177,4 +177,4 @@ def axes(camera: AnyCamera) -> Basis:
 def _basis(eye: Vec3, target: Vec3, up: Vec3) -> Basis:
     along = np.array(check.direction("view", np.subtract(target, eye)))
     right = np.array(check.direction("up", np.cross(along, check.direction("up", up))))
-    return right, np.cross(right, along), along
+    return right + 0.0, np.cross(right, along) + 0.0, along + 0.0  # + 0 makes -0 plain 0

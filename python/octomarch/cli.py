@@ -77,6 +77,7 @@ def _demo(options: argparse.Namespace) -> None:
             demo.scene,
             demo.camera,
             options.size,
+            march=demo.march,
             planes=("color", "depth", "position", "normal", "object_id", "material_id", "steps", "status"),
             threads=options.threads,
             isa=options.isa,

@@ -11,27 +11,34 @@ from dataclasses import dataclass
 
 from octomarch.camera import Camera
 from octomarch.lights import DirectionalLight, PointLight, Sky
+from octomarch.march import March
 from octomarch.materials import Material
 from octomarch.primitives import box, cylinder, plane, sphere
 from octomarch.scene import Scene
 from octomarch.shapes import Shape
 
+_MARCH = March(max_distance=1000.0)
+
 
 @dataclass(frozen=True)
 class Demo:
-    """A scene and the camera to see it with.
+    """A scene, the camera to see it with, and how far to march.
+
+    Floors have no end, and plain sphere tracing needs ever more steps towards the horizon: a ray that skims a floor at
+    height h covers at most 256 h in its 256 steps. So the march ends before the steps do, and the horizon is even.
 
     Examples
     --------
     >>> import octomarch as om
     >>> from octomarch.demo import DEMOS
     >>> demo = DEMOS["blend"]()
-    >>> om.render(demo.scene, demo.camera, size=(32, 18)).size
+    >>> om.render(demo.scene, demo.camera, size=(32, 18), march=demo.march).size
     (32, 18)
     """
 
     scene: Scene
     camera: Camera
+    march: March = _MARCH
 
 
 def blend() -> Demo:
@@ -79,7 +86,7 @@ def building() -> Demo:
         tower.paint(Material((0.72, 0.62, 0.50), roughness=0.8, specular=0.08))
         | floor.paint(Material((0.34, 0.36, 0.33), roughness=1.0, specular=0.0)),
         sky=Sky(toward=(0.02, 0.12, 0.32), away=0.02, base=(0.62, 0.66, 0.70)),
-        ambient=(0.17, 0.20, 0.25),
+        ambient=(0.20, 0.20, 0.21),
         lights=[DirectionalLight(direction=(-1.0, -1.1, -0.45), color=(1.0, 0.90, 0.74))],
     )
     return Demo(scene, Camera(eye=(9, 4, 12), target=(0, 0, 0), fov=45))

@@ -43,9 +43,8 @@ def union(*shapes: Shape, smooth: float = 0.0) -> Shape:
     --------
     >>> import octomarch as om
     >>> blob = om.union(om.sphere(1.0), om.box(1.5).translate(0.9, 0.3, 0), smooth=0.25)
-    >>> balls = [om.sphere(0.5).translate(x, 0, 0) for x in range(10)]
-    >>> om.union(*balls)
-    <Shape union, 20 nodes>
+    >>> om.union(*(om.sphere(0.5).translate(x, 0, 0) for x in range(10)))
+    <Shape union, 11 nodes>
     """
     return combine("union", shapes, smooth)
 
