@@ -47,7 +47,7 @@ class Interner {
       if (NodePtr existing = find(key, kind, parameters, children)) return existing;
     }
     // Made outside the lock: should anything here throw, the deleter runs, and it takes the lock.
-    const NodePtr fresh(new Node(kind, std::move(parameters), std::move(children)), release);
+    NodePtr fresh(new Node(kind, std::move(parameters), std::move(children)), release);
     const std::lock_guard lock(mutex_);
     if (NodePtr existing = find(key, kind, fresh->parameters(), fresh->children())) return existing;
     table_.emplace(key, Entry{fresh.get(), fresh});
