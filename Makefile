@@ -4,7 +4,7 @@
 #   make demo    render the demo scenes          make lint     check formats, types and style, Python and C++
 #   make test    lint, C++ tests, pytest         make format   rewrite the sources as lint wants them
 #   make build   install into .venv              make bench    measure speed
-#   make sanitize  C++ tests under address and undefined-behaviour sanitizers
+#   make sanitize  both kinds of tests under the address and undefined-behaviour sanitizers
 #   make clean   remove what was built           make distclean  remove .venv too
 #
 # Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS (more arguments for pytest).
@@ -18,6 +18,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 STAMPS := .venv/stamps
 BUILD_DIR := build/venv
+SANITIZE_DIR := build/asan-ubsan
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 export CMAKE_BUILD_PARALLEL_LEVEL ?= $(shell nproc)
 # Clones in different places share what ccache keeps.
@@ -26,7 +27,7 @@ export CCACHE_NOHASHDIR ?= 1
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 # Directories are listed too: adding or removing a file changes theirs.
-tree = $(shell find $(1) -name __pycache__ -prune -o \( -type d -o -type f \) -print)
+tree = $(shell find $(1) \( -name __pycache__ -o -name '.*_cache' \) -prune -o \( -type d -o -type f \) -print)
 SOURCES := CMakeLists.txt pyproject.toml README.md LICENSE $(call tree,cmake cpp python)
 CPP_FILES = $(shell find cpp tests/cpp benchmarks -name '*.hpp' -o -name '*.cpp')
 
@@ -66,10 +67,16 @@ bench: $(STAMPS)/installed
 	cmake --build $(BUILD_DIR)
 	$(BIN)/python benchmarks/run.py --build-dir $(BUILD_DIR)
 
+# The sanitizers' libraries must come before everything else in Python's process; its own leaks are not of interest.
 sanitize: $(STAMPS)/installed $(STAMPS)/dev-tools
 	cmake --preset asan-ubsan
 	cmake --build --preset asan-ubsan
 	ctest --preset asan-ubsan
+	cmake --install $(SANITIZE_DIR) --component python --prefix $(SANITIZE_DIR)/python
+	cp -R python/octomarch $(SANITIZE_DIR)/python
+	LD_PRELOAD="$(foreach library,asan ubsan stdc++,$$($(CXX) -print-file-name=lib$(library).so))" \
+	  ASAN_OPTIONS=detect_leaks=0 PYTHONPATH=$(SANITIZE_DIR)/python OCTOMARCH_BUILD_DIR=$(BUILD_DIR) \
+	  $(BIN)/python -m pytest --ignore tests/test_typing.py $(PYTEST_ARGS)
 
 clean:
 	rm -rf build dist $(STAMPS)/installed $(STAMPS)/cpp-tests-built
