@@ -2,8 +2,10 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -83,6 +85,25 @@ def test_interruption_is_told_quietly(monkeypatch: pytest.MonkeyPatch, tmp_path:
 
     monkeypatch.setattr(om, "render", interrupted)
     assert main(["demo", "-o", str(tmp_path)]) == 130
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are of POSIX")
+def test_ctrl_c_ends_the_demo_at_once_and_leaves_no_file(tmp_path: Path):
+    folder = tmp_path / "out"
+    command = [sys.executable, "-m", "octomarch", "demo", "-o", str(folder), "--size", "4000x3000", "--isa", "scalar"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        deadline = time.monotonic() + 60
+        while not folder.exists() and time.monotonic() < deadline:
+            time.sleep(0.01)
+        time.sleep(0.5)  # the render has begun: its folder is made just before
+        begin = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        _, error = process.communicate(timeout=60)
+        took = time.monotonic() - begin
+    assert process.returncode == 130
+    assert "octomarch: interrupted" in error
+    assert took < 1.0  # most of it for the interpreter to end
+    assert list(folder.iterdir()) == []
 
 
 def test_module_runs_as_a_program(tmp_path: Path):

@@ -107,6 +107,16 @@ def test_bounds_are_arrays():
     assert np.isinf(om.plane().bounds()[1][0])
 
 
+def test_long_chains_neither_overflow_nor_crawl():
+    """A hundred thousand operators, each on the result of the one before."""
+    chain = BALL
+    for i in range(50_000):
+        chain = (chain | om.sphere(0.5, center=(i, 0, 0))) if i % 2 else chain.translate(0.001, 0, 0)
+    assert "Shape" in repr(chain)
+    assert hash(chain) == hash(chain.translate(0, 0, 0))
+    assert len({chain, BALL}) == 2
+
+
 # Bad arguments --------------------------------------------------------------------------------------------------------
 
 

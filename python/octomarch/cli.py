@@ -92,15 +92,19 @@ def _demo(options: argparse.Namespace) -> None:
 
 def _summary(image: om.Image) -> str:
     stats = image.stats
-    rays = stats["rays"] + stats["shadow_rays"]
+    rays, threads = stats["rays"] + stats["shadow_rays"], stats["threads"]
     kinds = ("primary", "shadow", "occlusion", "gradient")
     evaluations = sum(stats[f"{kind}_evaluations"] for kind in kinds) / stats["rays"]
-    return (
-        f"{image.size[0]}x{image.size[1]}, {stats['isa']}, {stats['threads']} threads, {stats['seconds']:.3f} s, "
-        f"{rays / max(stats['seconds'], 1e-9) / 1e6:.1f} Mrays/s, "
-        f"{stats['primary_evaluations'] / stats['rays']:.1f} evaluations per primary ray, "
-        f"{evaluations:.1f} per pixel with shading"
-    )
+    parts = [
+        f"{image.size[0]}x{image.size[1]}",
+        stats["isa"],
+        f"{threads} thread{'s' if threads > 1 else ''}",
+        f"{stats['seconds']:.3f} s",
+        f"{rays / max(stats['seconds'], 1e-9) / 1e6:.1f} Mrays/s",
+        f"{stats['primary_evaluations'] / stats['rays']:.1f} evaluations per primary ray",
+        f"{evaluations:.1f} per pixel with shading",
+    ]
+    return ", ".join(parts)
 
 
 def _info(_: argparse.Namespace) -> None:

@@ -158,7 +158,7 @@ class Field:
         *,
         march: March | None = None,
         t_max: float = math.inf,
-        planes: HitPlane | Sequence[HitPlane] = HIT_PLANES,
+        planes: HitPlane | Sequence[HitPlane] | Sequence[str] = HIT_PLANES,
         precision: Precision = "float64",
         threads: int | None = None,
         isa: str | None = None,

@@ -36,7 +36,7 @@ def render(
     *,
     march: March | None = None,
     shading: Shading | None = None,
-    planes: PlaneName | Sequence[PlaneName] = ("color",),
+    planes: PlaneName | Sequence[PlaneName] | Sequence[str] = ("color",),
     precision: Precision = "float32",
     threads: int | None = None,
     isa: str | None = None,
@@ -155,7 +155,7 @@ def _reporting(progress: bool | Progress | None) -> Iterator[Progress | None]:
     elif progress is True:
         import tqdm  # here, since most renders show no bar
 
-        with tqdm.tqdm(desc="render", unit="tile", leave=False) as bar:
+        with tqdm.tqdm(desc="render", unit=" tiles", leave=False) as bar:
 
             def report(done: int, total: int) -> None:
                 bar.total = total

@@ -37,7 +37,8 @@ def report(done: int, total: int) -> None:
 
 
 camera = om.Camera(eye=(3, 2, 4), target=(0, 0, 0), fov=45)
-image = om.render(scene, camera, size=(64, 48), shading=om.Shading(shadows="hard"), planes=("color", "depth"))
+names = ["color", "depth", "material_id"]
+image = om.render(scene, camera, size=(64, 48), shading=om.Shading(shadows="hard"), planes=names)
 image = om.render(
     shape, om.OrthographicCamera((0, 0, 9), (0, 0, 0)), (64, 48), progress=report, threads=1, isa="scalar"
 )

@@ -4,7 +4,7 @@ import octomarch as om
 
 om.sphere("1")  # wrong
 om.sphere(1.0) | 2  # wrong
-om.render(om.sphere(1.0), planes=("albedo",))  # wrong
+om.render(om.sphere(1.0), planes=3)  # wrong
 om.March(method="relaxed")  # wrong
 om.cylinder(1.0, axis="w")  # wrong
 om.sphere(1.0).paint((1, 0, 0))  # wrong
