@@ -40,7 +40,8 @@ struct Vectors {
   Real* z;
 };
 
-/// Rays o + t·d, d of unit length, searched on [0, t_max]; eps(t) = max(epsilon, slope·t).
+/// Rays o + t·d, d of unit length, searched on [0, t_max]; eps(t) = max(epsilon, slope·t). A ray whose origin or
+/// direction holds a NaN or an infinity is invalid; callers make directions without a length NaN.
 template <class Real>
 struct RayView {
   Column<Real> ox, oy, oz;

@@ -46,7 +46,7 @@ template <class Real>
 using Handler = void (*)(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count);
 
 template <template <class> class Op, class T, class Real, std::size_t Inputs, std::size_t Outputs>
-void execute(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count) {
+[[gnu::flatten]] void execute(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count) {
   using Layout = RegisterLayout<T>;
   constexpr std::size_t kRegister = Layout::kComponents * kLanes;
   const Op<Lanes<Real>> op(constants);
@@ -67,7 +67,7 @@ void execute(const Instruction& instruction, const Real* constants, Real* regist
       return op(Layout::load(in0 + lane), Layout::load(in1 + lane), Layout::load(in2 + lane), Layout::load(in3 + lane));
     }
   };
-  for (std::size_t lane = 0; lane < count * kWidth<Real>; lane += kWidth<Real>) {
+  for_each_batch<Real>(count, [&](std::size_t lane) {
     const auto result = call(lane);
     if constexpr (Outputs == 1) {
       Layout::store(result, out0 + lane);
@@ -76,7 +76,7 @@ void execute(const Instruction& instruction, const Real* constants, Real* regist
       Layout::store(result.y, out1 + lane);
       Layout::store(result.z, out2 + lane);
     }
-  }
+  });
 }
 
 /// Attribute operators have no derivative and are never part of a distance program.

@@ -41,4 +41,15 @@ constexpr std::size_t batches(std::size_t lanes) {
   return (lanes + kWidth<Real> - 1) / kWidth<Real>;
 }
 
+/// Calls f(first lane) for `count` batches of a block; a whole block by code without a loop count.
+template <class Real, class Function>
+[[gnu::always_inline]] inline void for_each_batch(std::size_t count, Function&& f) {
+  if (count == batches<Real>(kLanes)) {
+#pragma GCC unroll 4
+    for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) f(lane);
+  } else {
+    for (std::size_t lane = 0; lane < count * kWidth<Real>; lane += kWidth<Real>) f(lane);
+  }
+}
+
 }  // namespace octomarch::kernels::OCTOMARCH_ISA

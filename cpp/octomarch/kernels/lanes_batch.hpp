@@ -110,6 +110,23 @@ Lanes<Real> max(const Lanes<Real>& a, const Lanes<Real>& b) {
   return typename Lanes<Real>::Native(greater(Register(a.v), Register(b.v)));
 }
 
+/// Replaces the packet in one slot of a row by `from` (kPacketLanes numbers, any alignment). Rows are read in whole
+/// batches, and a batch that is read soon after a part of it was written waits for memory: so where a batch is wider
+/// than a packet, it is written whole.
+template <class Real>
+void put_packet(Real* row, std::size_t slot, const Real* from) {
+#ifdef __AVX512DQ__
+  if constexpr (Lanes<Real>::kWidth == 2 * kPacketLanes) {
+    float* const batch = row + slot / 2 * (2 * kPacketLanes);
+    const __m512 packet = _mm512_broadcast_f32x8(_mm256_loadu_ps(from));
+    const __mmask16 half = slot % 2 == 0 ? 0x00FF : 0xFF00;
+    _mm512_store_ps(batch, _mm512_mask_blend_ps(half, _mm512_load_ps(batch), packet));
+    return;
+  }
+#endif
+  __builtin_memcpy(row + slot * kPacketLanes, from, kPacketLanes * sizeof(Real));
+}
+
 /// Largest whole number ≤ a. SSE2 has no such instruction: there it is rounded by adding and taking away the number
 /// whose last place is 1, then corrected; the result, −0 included, is the instruction's.
 template <class Real>

@@ -63,6 +63,12 @@ Lanes<Real> floor(const Lanes<Real>& a) {
   return static_cast<Real>(__builtin_floor(a.v));
 }
 
+/// Replaces the packet in one slot of a row by `from`.
+template <class Real>
+void put_packet(Real* row, std::size_t slot, const Real* from) {
+  __builtin_memcpy(row + slot * kPacketLanes, from, kPacketLanes * sizeof(Real));
+}
+
 template <class Real>
 Lanes<Real> select(const Mask<Real>& mask, const Lanes<Real>& a, const Lanes<Real>& b) {
   return mask.v ? a : b;

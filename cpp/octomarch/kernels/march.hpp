@@ -4,7 +4,10 @@
 //
 // A step leaves a ray that has ended as it is: at a hit t stays and hits again, past t_max it stays past, a NaN stays
 // NaN. So no mask is kept with the state; which rays live is read off each step as one 64-bit word, and what became of
-// a ray is read off (t, r) when its packet retires.
+// a ray is read off t when its packet retires.
+//
+// Two blocks take turns. Whether packets of one have ended is looked at only after the other's step has been issued:
+// the mispredicted branch of a retirement then finds the processor busy instead of drained.
 #pragma once
 
 #include <limits>
@@ -25,75 +28,157 @@ struct BlockState {
   alignas(kAlignment) Real t[kLanes];
   alignas(kAlignment) Real t_max[kLanes];
   alignas(kAlignment) Real epsilon[kLanes];
-  alignas(kAlignment) Real carried[kLanes];  ///< what the task remembers: the last accepted step, or a visibility
+  alignas(kAlignment) Real r[kLanes];        ///< last field value over the Lipschitz bound, for tasks that keep it
+  alignas(kAlignment) Real carried[kLanes];  ///< what the task remembers: the last accepted r, or a visibility
+};
 
-  /// Copies the packet in slot `from` to slot `to`.
-  void move_packet(std::size_t from, std::size_t to) {
-    Real* const rows[] = {ox, oy, oz, dx, dy, dz, t, t_max, epsilon, carried};
+/// A block: its rays, and for each of its packets which rays they are and when they came.
+template <class Real>
+struct Block {
+  BlockState<Real> state{};
+  std::size_t first_ray[kPackets] = {};
+  std::int64_t start[kPackets] = {};  ///< value of `step` at which each packet came
+  std::int64_t step = 0;              ///< steps made so far
+  std::int64_t deadline = std::numeric_limits<std::int64_t>::max();  ///< value of `step` at which a packet is spent
+  std::uint64_t live = 0;                                            ///< rays that go on; bit = lane
+  std::size_t slots = 0;                                             ///< packets held, in the first slots
+
+  std::uint64_t used_lanes() const {
+    return slots == kPackets ? ~std::uint64_t{0} : (std::uint64_t{1} << (slots * kPacketLanes)) - 1;
+  }
+
+  /// Does a packet have no live ray left? (The zero-byte test of H. S. Warren, "Hacker's Delight", 2nd ed., 6-1.)
+  bool any_ended() const {
+    const std::uint64_t w = live | ~used_lanes();
+    return ((w - 0x0101010101010101ULL) & ~w & 0x8080808080808080ULL) != 0;
+  }
+
+  void set_live(std::size_t slot, std::uint64_t bits) {
+    live = (live & ~(std::uint64_t{0xFF} << (slot * kPacketLanes))) | bits << (slot * kPacketLanes);
+  }
+
+  /// Takes a packet out: the last one moves into its slot, so that fewer batches are computed.
+  void close(std::size_t slot) {
+    --slots;
+    const std::uint64_t moved = live >> (slots * kPacketLanes) & 0xFFU;
+    set_live(slots, 0);
+    if (slot == slots) return;
+    set_live(slot, moved);
+    first_ray[slot] = first_ray[slots];
+    start[slot] = start[slots];
+    Real* const rows[] = {state.ox, state.oy, state.oz, state.dx, state.dy, state.dz,
+                          state.t, state.t_max, state.epsilon, state.r, state.carried};
     for (Real* row : rows) {
-      for (std::size_t lane = 0; lane < kPacketLanes; ++lane) row[to * kPacketLanes + lane] = row[from * kPacketLanes + lane];
+      __builtin_memcpy(row + slot * kPacketLanes, row + slots * kPacketLanes, kPacketLanes * sizeof(Real));
     }
   }
 };
 
-template <class Real>
-void fill_lanes(Real* row, const Column<Real>& column, std::size_t first, std::size_t valid) {
-  for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
-    row[lane] = column.values == nullptr ? column.value : column.values[lane < valid ? first + lane : first];
+/// Copies the first `valid` lanes of a packet, all of them in the common case by moves of known size.
+template <class T>
+void copy_packet(T* to, const T* from, std::size_t valid) {
+  if (valid == kPacketLanes) {
+    __builtin_memcpy(to, from, kPacketLanes * sizeof(T));
+  } else {
+    for (std::size_t lane = 0; lane < valid; ++lane) to[lane] = from[lane];
   }
 }
 
-/// Finds hits. Carried: r of the last sample that was no hit, for the secant finish.
+/// Puts a packet's part of a column into its slot, lanes past the end repeating its first. Columns of one value are set
+/// once for the whole block instead.
 template <class Real>
+void load_packet(Real* row, std::size_t slot, const Column<Real>& column, std::size_t first, std::size_t valid) {
+  if (column.values == nullptr) return;
+  const Real* const from = column.values + first;
+  if (valid == kPacketLanes) {
+    put_packet(row, slot, from);
+  } else {
+    for (std::size_t lane = 0; lane < kPacketLanes; ++lane) row[slot * kPacketLanes + lane] = from[lane < valid ? lane : 0];
+  }
+}
+
+template <class Real>
+void set_block(Real* row, const Column<Real>& column) {
+  for (std::size_t lane = 0; lane < kLanes; ++lane) row[lane] = column.value;
+}
+
+/// The first lane of the batches that hold a packet; where a batch is wider than a packet it holds others too.
+template <class Real>
+constexpr std::size_t first_batch_lane(std::size_t slot) {
+  return slot * kPacketLanes / kWidth<Real> * kWidth<Real>;
+}
+
+/// The lanes of a batch that belong to a slot's packet.
+template <class Real>
+Mask<Real> packet_mask(std::size_t lane, std::size_t slot) {
+  alignas(kAlignment) static constexpr auto kLaneNumbers = [] {
+    struct {
+      Real value[kLanes];
+    } numbers{};
+    for (std::size_t i = 0; i < kLanes; ++i) numbers.value[i] = static_cast<Real>(i);
+    return numbers;
+  }();
+  const Lanes<Real> number = Lanes<Real>::load(kLaneNumbers.value + lane);
+  const auto begin = static_cast<Real>(slot * kPacketLanes);
+  return (number >= Lanes<Real>(begin)) & (number < Lanes<Real>(begin + Real(kPacketLanes)));
+}
+
+/// Finds hits. Carried, for the secant finish: r of the last sample that was no hit.
+template <class Real, bool kSecantFinish>
 struct HitTask {
   using T = Lanes<Real>;
   MarchOutput<Real> out;
-  bool secant_finish;
-  Real step_scale;
 
   static constexpr Real kFirstCarried = 0;
   std::int32_t* steps() const { return out.steps; }
 
   void observe(BlockState<Real>& state, std::size_t lane, const T& /*t*/, const T& r, const Mask<Real>& hit) const {
-    select(hit, T::load(state.carried + lane), r).store(state.carried + lane);
+    if constexpr (kSecantFinish) {
+      select(hit, T::load(state.carried + lane), r).store(state.carried + lane);
+      r.store(state.r + lane);
+    }
   }
 
-  /// Writes what became of the rays of one slot; `live`: bits of those that ran out of steps.
-  void retire(const BlockState<Real>& state, const Real* field, Real slope, std::size_t slot, unsigned live,
-              std::size_t first, std::size_t valid) const {
-    for (std::size_t i = 0; i < valid; ++i) {
-      const std::size_t lane = slot * kPacketLanes + i;
-      const Real t = state.t[lane];
-      const Real r = field[lane] * step_scale;
-      const Real scaled = slope * t;
-      const Real epsilon = state.epsilon[lane] > scaled ? state.epsilon[lane] : scaled;
-      Real result = std::numeric_limits<Real>::infinity();
-      std::uint8_t status = kInvalid;
-      if ((live >> i & 1U) != 0) {
-        status = kStepLimit;
-        result = t;
-      } else if (t > state.t_max[lane]) {
-        status = kMiss;
-      } else if (r < epsilon && t >= Real(0)) {
-        status = t == Real(0) ? kInside : kHit;
-        result = t;
-        if (status == kHit && secant_finish) result = finished(t, r, state.carried[lane], state.t_max[lane]);
-      }
-      out.t[first + i] = result;
-      if (out.status != nullptr) out.status[first + i] = status;
+  /// Writes what became of the rays of one slot, of which those that are still live have spent their steps.
+  void retire(const Block<Real>& block, std::size_t slot, std::size_t valid) const {
+    alignas(kAlignment) Real results[kLanes];
+    alignas(kAlignment) Real statuses[kLanes];
+    const BlockState<Real>& state = block.state;
+    for (std::size_t lane = first_batch_lane<Real>(slot); lane < (slot + 1) * kPacketLanes; lane += kWidth<Real>) {
+      const T t = T::load(state.t + lane);
+      const T t_max = T::load(state.t_max + lane);
+      const Mask<Real> hit = t <= t_max;  // what ended otherwise is beyond t_max, or NaN
+      const Mask<Real> inside = t == T(Real(0));
+      const T end = kSecantFinish ? finished(t, T::load(state.r + lane), T::load(state.carried + lane), t_max) : t;
+      const T at_surface = select(inside, t, end);
+      select(hit, at_surface, T(std::numeric_limits<Real>::infinity())).store(results + lane);
+      T status = select(t > t_max, T(kMiss), T(kInvalid));
+      status = select(hit, T(kHit), status);
+      select(inside, T(kInside), status).store(statuses + lane);
     }
+    const std::size_t lane = slot * kPacketLanes;
+    const std::uint64_t spent = block.live >> lane & 0xFFU;
+    for (std::size_t i = 0; spent != 0 && i < kPacketLanes; ++i) {
+      if ((spent >> i & 1U) == 0) continue;
+      results[lane + i] = state.t[lane + i];
+      statuses[lane + i] = kStepLimit;
+    }
+    copy_packet(out.t + block.first_ray[slot], results + lane, valid);
+    if (out.status == nullptr) return;
+    std::uint8_t codes[kPacketLanes];
+    for (std::size_t i = 0; i < kPacketLanes; ++i) codes[i] = static_cast<std::uint8_t>(statuses[lane + i]);
+    copy_packet(out.status + block.first_ray[slot], codes, valid);
   }
 
  private:
   // values of octomarch::Status, which kernels do not include
-  static constexpr std::uint8_t kHit = 0, kMiss = 1, kStepLimit = 2, kInside = 3, kInvalid = 4;
+  static constexpr Real kHit = 0, kMiss = 1, kStepLimit = 2, kInside = 3, kInvalid = 4;
 
-  /// The secant through the last two samples, trusted for 32 times the last distance at the most.
-  static Real finished(Real t, Real r, Real previous, Real t_max) {
-    const Real root = r * previous / (previous - r);
-    const Real farthest = Real(32) * (r > Real(0) ? r : Real(0));
-    const Real end = t + (root < farthest ? root : farthest);
-    return end < t_max ? end : t_max;
+  /// The root of the secant through the last two samples, trusted for 32 times the last distance at the most.
+  static T finished(const T& t, const T& r, const T& previous, const T& t_max) {
+    const T root = r * previous / (previous - r);
+    const T farthest = T(Real(32)) * max(r, T(Real(0)));
+    return min(t + min(root, farthest), t_max);
   }
 };
 
@@ -103,7 +188,6 @@ struct ShadowTask {
   using T = Lanes<Real>;
   Real* visibility;
   T k;
-  Real step_scale;
 
   static constexpr Real kFirstCarried = 1;
   std::int32_t* steps() const { return nullptr; }
@@ -114,15 +198,14 @@ struct ShadowTask {
     select(t <= T::load(state.t_max + lane), penumbra, so_far).store(state.carried + lane);
   }
 
-  void retire(const BlockState<Real>& state, const Real* field, Real slope, std::size_t slot, unsigned live,
-              std::size_t first, std::size_t valid) const {
+  /// A ray that ended within t_max has hit something.
+  void retire(const Block<Real>& block, std::size_t slot, std::size_t valid) const {
+    Real* const out = visibility + block.first_ray[slot];
+    const std::size_t lane = slot * kPacketLanes;
     for (std::size_t i = 0; i < valid; ++i) {
-      const std::size_t lane = slot * kPacketLanes + i;
-      const Real scaled = slope * state.t[lane];
-      const Real epsilon = state.epsilon[lane] > scaled ? state.epsilon[lane] : scaled;
-      const bool ended = (live >> i & 1U) == 0 && state.t[lane] <= state.t_max[lane];
-      const bool blocked = ended && field[lane] * step_scale < epsilon;
-      visibility[first + i] = blocked || !(state.carried[lane] > Real(0)) ? Real(0) : state.carried[lane];
+      const bool blocked = block.state.t[lane + i] <= block.state.t_max[lane + i] && (block.live >> (lane + i) & 1U) == 0;
+      const Real passed = block.state.carried[lane + i];
+      out[i] = blocked || passed < Real(0) ? Real(0) : passed;
     }
   }
 };
@@ -132,84 +215,101 @@ class Marcher {
   using T = Lanes<Real>;
 
  public:
-  Marcher(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
-          const Task& task, Counters& counters)
+  Marcher(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays,
+          const MarchParameters<Real>& parameters, const Task& task, Counters& counters)
       : tape_(tape), registers_(registers), rays_(rays), parameters_(parameters), task_(task), counters_(counters) {}
 
   void run() {
-    while (slots_ < kPackets && load(slots_)) ++slots_;
-    for (step_ = 0; slots_ > 0; ++step_) {
+    Block<Real> blocks[2];
+    for (Block<Real>& block : blocks) open(block);
+    for (unsigned turn = 0; blocks[0].slots + blocks[1].slots > 0; turn ^= 1U) {
       if (__atomic_load_n(parameters_.cancelled, __ATOMIC_RELAXED)) return;
-      const std::size_t count = batches<Real>(slots_ * kPacketLanes);
-      counters_.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live_));
-      counters_.lane_slots += count * kWidth<Real>;
-      place_points(count);
-      const Real* field = evaluate(tape_, registers_, count);
-      const std::uint64_t live = advance(field, count);
-      if (task_.steps() != nullptr) record_steps(live_ & ~live);
-      live_ = live;
-      retire_ended(field);
+      if (blocks[turn].slots > 0) advance(blocks[turn]);
+      Block<Real>& other = blocks[turn ^ 1U];
+      if (other.step >= other.deadline || other.any_ended()) retire_ended(other);
     }
   }
 
  private:
-  /// Coordinates of every lane's sample point into registers 0, 1, 2.
-  void place_points(std::size_t count) {
-    for (std::size_t lane = 0; lane < count * kWidth<Real>; lane += kWidth<Real>) {
-      const T t = T::load(state_.t + lane);
-      (T::load(state_.ox + lane) + t * T::load(state_.dx + lane)).store(registers_ + lane);
-      (T::load(state_.oy + lane) + t * T::load(state_.dy + lane)).store(registers_ + kLanes + lane);
-      (T::load(state_.oz + lane) + t * T::load(state_.dz + lane)).store(registers_ + 2 * kLanes + lane);
-    }
+  void open(Block<Real>& block) {
+    BlockState<Real>& state = block.state;
+    set_block(state.ox, rays_.ox);
+    set_block(state.oy, rays_.oy);
+    set_block(state.oz, rays_.oz);
+    set_block(state.dx, rays_.dx);
+    set_block(state.dy, rays_.dy);
+    set_block(state.dz, rays_.dz);
+    set_block(state.t_max, rays_.t_max);
+    set_block(state.epsilon, rays_.epsilon);
+    while (block.slots < kPackets && load(block, block.slots)) ++block.slots;
   }
 
-  /// One step of every lane; returns which rays go on. Slots that hold no packet stay out of the word.
-  std::uint64_t advance(const Real* field, std::size_t count) {
+  /// One step of every ray of a block.
+  void advance(Block<Real>& block) {
+    const std::size_t count = batches<Real>(block.slots * kPacketLanes);
+    counters_.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(block.live));
+    counters_.lane_slots += count * kWidth<Real>;
+    place_points(block.state, count);
+    const Real* const field = evaluate(tape_, registers_, count);
+    const std::uint64_t live = step_rays(block.state, field, count) & block.used_lanes();
+    ++block.step;
+    if (task_.steps() != nullptr) record_steps(block, block.live & ~live);
+    block.live = live;
+  }
+
+  /// Coordinates of every lane's sample point into registers 0, 1, 2.
+  [[gnu::flatten]] void place_points(const BlockState<Real>& state, std::size_t count) {
+    Real* const registers = registers_;
+    for_each_batch<Real>(count, [&](std::size_t lane) {
+      const T t = T::load(state.t + lane);
+      (T::load(state.ox + lane) + t * T::load(state.dx + lane)).store(registers + lane);
+      (T::load(state.oy + lane) + t * T::load(state.dy + lane)).store(registers + kLanes + lane);
+      (T::load(state.oz + lane) + t * T::load(state.dz + lane)).store(registers + 2 * kLanes + lane);
+    });
+  }
+
+  /// Moves t along by the field; returns which rays go on.
+  [[gnu::flatten]] std::uint64_t step_rays(BlockState<Real>& state, const Real* field, std::size_t count) {
     const T step_scale = parameters_.step_scale;
     const T slope = parameters_.epsilon_slope;
+    const Task task = task_;
     std::uint64_t live = 0;
-    for (std::size_t lane = 0; lane < count * kWidth<Real>; lane += kWidth<Real>) {
-      const T t = T::load(state_.t + lane);
+    for_each_batch<Real>(count, [&](std::size_t lane) {
+      const T t = T::load(state.t + lane);
       const T r = T::load(field + lane) * step_scale;
-      const Mask<Real> hit = r < max(T::load(state_.epsilon + lane), slope * t);
+      const Mask<Real> hit = r < max(T::load(state.epsilon + lane), slope * t);
       const T next = select(hit, t, t + r);
-      task_.observe(state_, lane, t, r, hit);
-      next.store(state_.t + lane);
-      live |= ((next <= T::load(state_.t_max + lane)) & !hit).bits() << lane;
-    }
-    return slots_ == kPackets ? live : live & ((std::uint64_t{1} << (slots_ * kPacketLanes)) - 1);
+      task.observe(state, lane, t, r, hit);
+      next.store(state.t + lane);
+      live |= ((next <= T::load(state.t_max + lane)) & !hit).bits() << lane;
+    });
+    return live;
   }
 
-  void record_steps(std::uint64_t ended) {
+  void record_steps(const Block<Real>& block, std::uint64_t ended) {
     for (; ended != 0; ended &= ended - 1) {
       const auto lane = static_cast<std::size_t>(__builtin_ctzll(ended));
       const std::size_t slot = lane / kPacketLanes;
-      task_.steps()[first_ray_[slot] + lane % kPacketLanes] = static_cast<std::int32_t>(step_ - start_[slot] + 1);
+      task_.steps()[block.first_ray[slot] + lane % kPacketLanes] = static_cast<std::int32_t>(block.step - block.start[slot]);
     }
   }
 
   /// Packets without a live ray, and those whose steps are spent, leave; others take their slots.
-  void retire_ended(const Real* field) {
-    const bool any_spent = step_ + 1 >= deadline_;
-    if (!any_spent && !has_zero_byte(live_)) return;
-    for (std::size_t slot = slots_; slot-- > 0;) {
-      const auto live = static_cast<unsigned>(live_ >> (slot * kPacketLanes) & 0xFFU);
-      if (live != 0 && step_ + 1 - start_[slot] < parameters_.max_steps) continue;
-      const std::size_t valid = valid_rays(first_ray_[slot]);
-      if (task_.steps() != nullptr) record_steps(std::uint64_t{live} << (slot * kPacketLanes));
-      task_.retire(state_, field, parameters_.epsilon_slope, slot, live, first_ray_[slot], valid);
-      if (!load(slot)) close(slot);
+  void retire_ended(Block<Real>& block) {
+    for (std::size_t slot = block.slots; slot-- > 0;) {
+      const std::uint64_t live = block.live & std::uint64_t{0xFF} << (slot * kPacketLanes);
+      if (live != 0 && block.step - block.start[slot] < parameters_.max_steps) continue;
+      if (task_.steps() != nullptr) record_steps(block, live);
+      task_.retire(block, slot, valid_rays(block.first_ray[slot]));
+      if (!load(block, slot)) block.close(slot);
     }
-    deadline_ = std::numeric_limits<std::int64_t>::max();
-    for (std::size_t slot = 0; slot < slots_; ++slot) {
-      if (start_[slot] + parameters_.max_steps < deadline_) deadline_ = start_[slot] + parameters_.max_steps;
-    }
+    block.deadline = std::numeric_limits<std::int64_t>::max();
+    for (std::size_t slot = 0; slot < block.slots; ++slot) note_deadline(block, slot);
   }
 
-  bool has_zero_byte(std::uint64_t word) const {
-    const std::uint64_t unused = slots_ == kPackets ? 0 : ~std::uint64_t{0} << (slots_ * kPacketLanes);
-    const std::uint64_t w = word | unused;
-    return ((w - 0x0101010101010101ULL) & ~w & 0x8080808080808080ULL) != 0;
+  void note_deadline(Block<Real>& block, std::size_t slot) const {
+    const std::int64_t spent = block.start[slot] + parameters_.max_steps;
+    if (spent < block.deadline) block.deadline = spent;
   }
 
   std::size_t valid_rays(std::size_t first) const {
@@ -217,55 +317,48 @@ class Marcher {
     return left < kPacketLanes ? left : kPacketLanes;
   }
 
-  /// Puts the next packet of the stream into a slot; false when there is none. Lanes past the end, and rays that are not
-  /// finite or not of unit length, get t = NaN: they never live, and touch no other lane.
-  bool load(std::size_t slot) {
+  /// Puts the next packet of the stream into a slot; false when there is none. Lanes past the end, and rays with a NaN,
+  /// get t = NaN: they never live, and touch no other lane.
+  bool load(Block<Real>& block, std::size_t slot) {
     if (next_ray_ >= rays_.count) return false;
     const std::size_t first = next_ray_;
     const std::size_t valid = valid_rays(first);
-    const std::size_t lane = slot * kPacketLanes;
+    BlockState<Real>& state = block.state;
     next_ray_ += kPacketLanes;
-    first_ray_[slot] = first;
-    start_[slot] = step_ + 1;
-    fill_lanes(state_.ox + lane, rays_.ox, first, valid);
-    fill_lanes(state_.oy + lane, rays_.oy, first, valid);
-    fill_lanes(state_.oz + lane, rays_.oz, first, valid);
-    fill_lanes(state_.dx + lane, rays_.dx, first, valid);
-    fill_lanes(state_.dy + lane, rays_.dy, first, valid);
-    fill_lanes(state_.dz + lane, rays_.dz, first, valid);
-    fill_lanes(state_.t_max + lane, rays_.t_max, first, valid);
-    fill_lanes(state_.epsilon + lane, rays_.epsilon, first, valid);
-    std::uint64_t live = 0;
-    for (std::size_t i = 0; i < kPacketLanes; ++i) {
-      const bool good = i < valid && is_valid_ray(lane + i);
-      state_.t[lane + i] = good ? Real(0) : std::numeric_limits<Real>::quiet_NaN();
-      state_.carried[lane + i] = Task::kFirstCarried;
-      live |= std::uint64_t{good} << i;
-      if (i < valid && task_.steps() != nullptr) task_.steps()[first + i] = 0;
-    }
-    live_ = (live_ & ~(std::uint64_t{0xFF} << lane)) | live << lane;
     ++counters_.packets;
-    if (start_[slot] + parameters_.max_steps < deadline_) deadline_ = start_[slot] + parameters_.max_steps;
+    block.first_ray[slot] = first;
+    block.start[slot] = block.step;
+    load_packet(state.ox, slot, rays_.ox, first, valid);
+    load_packet(state.oy, slot, rays_.oy, first, valid);
+    load_packet(state.oz, slot, rays_.oz, first, valid);
+    load_packet(state.dx, slot, rays_.dx, first, valid);
+    load_packet(state.dy, slot, rays_.dy, first, valid);
+    load_packet(state.dz, slot, rays_.dz, first, valid);
+    load_packet(state.t_max, slot, rays_.t_max, first, valid);
+    load_packet(state.epsilon, slot, rays_.epsilon, first, valid);
+    block.set_live(slot, start_packet(state, slot) & 0xFFU >> (kPacketLanes - valid));
+    for (std::size_t i = valid; i < kPacketLanes; ++i) state.t[slot * kPacketLanes + i] = std::numeric_limits<Real>::quiet_NaN();
+    if (task_.steps() != nullptr) {
+      for (std::size_t i = 0; i < valid; ++i) task_.steps()[first + i] = 0;
+    }
+    note_deadline(block, slot);
     return true;
   }
 
-  bool is_valid_ray(std::size_t lane) const {
-    const Real length2 = state_.dx[lane] * state_.dx[lane] + state_.dy[lane] * state_.dy[lane] + state_.dz[lane] * state_.dz[lane];
-    const Real zero = (state_.ox[lane] - state_.ox[lane]) + (state_.oy[lane] - state_.oy[lane]) + (state_.oz[lane] - state_.oz[lane]);
-    return length2 > Real(0.5) && length2 < Real(2) && zero == Real(0);
-  }
-
-  /// Takes a slot out of the block: the last one moves into its place, so that fewer batches are computed.
-  void close(std::size_t slot) {
-    --slots_;
-    const std::size_t last = slots_;
-    const std::uint64_t moved = live_ >> (last * kPacketLanes) & 0xFFU;
-    live_ &= ~(std::uint64_t{0xFF} << (last * kPacketLanes));
-    if (slot == last) return;
-    live_ = (live_ & ~(std::uint64_t{0xFF} << (slot * kPacketLanes))) | moved << (slot * kPacketLanes);
-    state_.move_packet(last, slot);
-    first_ray_[slot] = first_ray_[last];
-    start_[slot] = start_[last];
+  /// Sets t of a packet's rays to 0, or to NaN where anything of the ray is not finite; returns a bit for each number.
+  static std::uint64_t start_packet(BlockState<Real>& state, std::size_t slot) {
+    const std::size_t begin = first_batch_lane<Real>(slot);
+    std::uint64_t bits = 0;
+    for (std::size_t lane = begin; lane < (slot + 1) * kPacketLanes; lane += kWidth<Real>) {
+      const T sum = T::load(state.ox + lane) + T::load(state.oy + lane) + T::load(state.oz + lane) +
+                    T::load(state.dx + lane) + T::load(state.dy + lane) + T::load(state.dz + lane);
+      const T start = sum * T(Real(0)) + T(Real(0));
+      const Mask<Real> ours = packet_mask<Real>(lane, slot);
+      select(ours, start, T::load(state.t + lane)).store(state.t + lane);
+      select(ours, T(Task::kFirstCarried), T::load(state.carried + lane)).store(state.carried + lane);
+      bits |= (start == start).bits() << (lane - begin);
+    }
+    return bits >> (slot * kPacketLanes - begin) & 0xFFU;
   }
 
   const TapeView<Real> tape_;
@@ -274,28 +367,25 @@ class Marcher {
   const MarchParameters<Real> parameters_;
   const Task task_;
   Counters& counters_;
-
-  BlockState<Real> state_{};
-  std::size_t first_ray_[kPackets] = {};
-  std::int64_t start_[kPackets] = {};  ///< block step at which each packet takes its first sample
-  std::int64_t step_ = -1;
-  std::int64_t deadline_ = std::numeric_limits<std::int64_t>::max();  ///< first block step at which a packet is spent
-  std::uint64_t live_ = 0;
-  std::size_t slots_ = 0;
   std::size_t next_ray_ = 0;
 };
 
 template <class Real>
 void march(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays,
            const MarchParameters<Real>& parameters, const MarchOutput<Real>& out, Counters& counters) {
-  const HitTask<Real> task{out, parameters.secant_finish, parameters.step_scale};
-  Marcher<Real, HitTask<Real>>(tape, registers, rays, parameters, task, counters).run();
+  if (parameters.secant_finish) {
+    using Task = HitTask<Real, true>;
+    Marcher<Real, Task>(tape, registers, rays, parameters, Task{out}, counters).run();
+  } else {
+    using Task = HitTask<Real, false>;
+    Marcher<Real, Task>(tape, registers, rays, parameters, Task{out}, counters).run();
+  }
 }
 
 template <class Real>
 void shadow(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays,
             const MarchParameters<Real>& parameters, Real k, Real* visibility, Counters& counters) {
-  const ShadowTask<Real> task{visibility, Lanes<Real>(k), parameters.step_scale};
+  const ShadowTask<Real> task{visibility, Lanes<Real>(k)};
   Marcher<Real, ShadowTask<Real>>(tape, registers, rays, parameters, task, counters).run();
 }
 

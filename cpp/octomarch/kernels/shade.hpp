@@ -14,16 +14,20 @@ void camera_rays(const CameraView<Real>& camera, const TileView& tile, const Vec
   alignas(kAlignment) Real columns[kLanes];
   alignas(kAlignment) Real rows[kLanes];
   const std::size_t packets = std::size_t{tile.packets_across} * tile.packets_down;
+  std::size_t i = tile.x;
+  std::size_t j = tile.y;
   for (std::size_t first = 0; first < packets; first += kPackets) {
-    // Pixel numbers of a block; those outside the picture become NaN, and so does their ray.
-    for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const std::size_t packet = first + lane / kPacketLanes;
-      const std::size_t in_packet = lane % kPacketLanes;
-      const std::size_t i = tile.x + packet % tile.packets_across * kPacketWidth + in_packet % kPacketWidth;
-      const std::size_t j = tile.y + packet / tile.packets_across * kPacketHeight + in_packet / kPacketWidth;
-      const bool inside = i < tile.width && j < tile.height && packet < packets;
-      columns[lane] = inside ? static_cast<Real>(i) + Real(0.5) : std::numeric_limits<Real>::quiet_NaN();
-      rows[lane] = static_cast<Real>(j) + Real(0.5);
+    // Pixel centres of a block of packets; those outside the picture become NaN, and so does their ray.
+    for (std::size_t slot = 0; slot < kPackets; ++slot) {
+      for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
+        columns[slot * kPacketLanes + lane] = static_cast<Real>(i + lane % kPacketWidth) + Real(0.5);
+        rows[slot * kPacketLanes + lane] = static_cast<Real>(j + lane / kPacketWidth) + Real(0.5);
+      }
+      i += kPacketWidth;
+      if (i >= tile.x + tile.packets_across * kPacketWidth) {
+        i = tile.x;
+        j += kPacketHeight;
+      }
     }
     for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
       const T s = T::load(columns + lane);
@@ -31,11 +35,13 @@ void camera_rays(const CameraView<Real>& camera, const TileView& tile, const Vec
       const T x = T(camera.corner[0]) + s * T(camera.right[0]) + r * T(camera.down[0]);
       const T y = T(camera.corner[1]) + s * T(camera.right[1]) + r * T(camera.down[1]);
       const T z = T(camera.corner[2]) + s * T(camera.right[2]) + r * T(camera.down[2]);
-      const T scale = camera.perspective ? T(Real(1)) / sqrt(x * x + y * y + z * z) : T(Real(1));
-      const std::size_t i = first * kPacketLanes + lane;
-      (x * scale).store(out.x + i);
-      (y * scale).store(out.y + i);
-      (z * scale).store(out.z + i);
+      const Mask<Real> seen = (s < T(static_cast<Real>(tile.width))) & (r < T(static_cast<Real>(tile.height)));
+      const T length = camera.perspective ? sqrt(x * x + y * y + z * z) : T(Real(1));
+      const T scale = select(seen, T(Real(1)) / length, T(std::numeric_limits<Real>::quiet_NaN()));
+      const std::size_t ray = first * kPacketLanes + lane;
+      (x * scale).store(out.x + ray);
+      (y * scale).store(out.y + ray);
+      (z * scale).store(out.z + ray);
     }
   }
 }

@@ -20,32 +20,29 @@ struct Rotate {
   }
 };
 
-/// Repetition along one coordinate: the position within the nearest cell, (p − offset) − period·cell, where
-/// cell = clamp(floor((p − offset)/period + shift) + centre, −limit, limit). An endless repeat has an infinite limit.
-/// Constants: offset, period, 1/period, shift, centre, limit. The derivative is that of p within a cell.
+/// Endless repetition along one coordinate: p − period·floor(p/period + shift), the position in the nearest cell. The
+/// cells stand where the content is (shift = ½ − centre/period), so it needs no move back to the origin. The derivative
+/// is that of p within a cell. Constants: period, 1/period, shift.
 template <class C>
 struct RepeatAxis {
-  C offset, period, inverse, shift, centre, limit;
+  C period, inverse, shift;
   template <class Real>
-  explicit RepeatAxis(const Real* p)
-      : offset(p[0]), period(p[1]), inverse(p[2]), shift(p[3]), centre(p[4]), limit(p[5]) {}
+  explicit RepeatAxis(const Real* p) : period(p[0]), inverse(p[1]), shift(p[2]) {}
 
-  C clamped(const C& cell) const { return min(max(cell, -limit), limit); }
-  C cell(const C& p) const { return clamped(floor(p * inverse + shift) + centre); }
+  C cell(const C& p) const { return floor(p * inverse + shift); }
 
   template <class T>
-  T operator()(const T& x) const {
-    const T p = x - offset;
+  T operator()(const T& p) const {
     return p - cell(value_of(p)) * period;
   }
 };
 
-/// Repetition along all three coordinates. Constants: those of RepeatAxis for x, y and z (18).
+/// The same along all three coordinates. Constants: those of RepeatAxis for x, y and z (9).
 template <class C>
 struct Repeat {
   RepeatAxis<C> rx, ry, rz;
   template <class Real>
-  explicit Repeat(const Real* p) : rx(p), ry(p + 6), rz(p + 12) {}
+  explicit Repeat(const Real* p) : rx(p), ry(p + 3), rz(p + 6) {}
 
   template <class T>
   Triple<T> operator()(const T& x, const T& y, const T& z) const {
@@ -53,21 +50,38 @@ struct Repeat {
   }
 };
 
-/// The position within the next cell on the side where the point lies in its own: what repeats content that is not
-/// mirror-symmetric must look at too. Constants: those of RepeatAxis.
+/// A counted repetition: cells are numbered from the middle one, and held within ±limit. Constants: those of
+/// RepeatAxis, centre (0, or ½ where the count is even), limit.
 template <class C>
-struct RepeatNeighbour {
-  RepeatAxis<C> axis;
-  C zero, one;
+struct RepeatCounted {
+  RepeatAxis<C> endless;
+  C centre, limit;
   template <class Real>
-  explicit RepeatNeighbour(const Real* p) : axis(p), zero(Real(0)), one(Real(1)) {}
+  explicit RepeatCounted(const Real* p) : endless(p), centre(p[3]), limit(p[4]) {}
+
+  C clamped(const C& cell) const { return min(max(cell, -limit), limit); }
+  C cell(const C& p) const { return clamped(endless.cell(p) + centre); }
 
   template <class T>
-  T operator()(const T& x) const {
-    const T p = x - axis.offset;
-    const C own = axis.cell(value_of(p));
-    const C side = select(value_of(p) - own * axis.period < zero, -one, one);
-    return p - axis.clamped(own + side) * axis.period;
+  T operator()(const T& p) const {
+    return p - cell(value_of(p)) * endless.period;
+  }
+};
+
+/// The position within the next cell on the side where the point lies in its own: what repeats content that is not
+/// mirror-symmetric must look at too. Constants: those of RepeatCounted (limit = +inf: endless), middle of the content.
+template <class C>
+struct RepeatNeighbour {
+  RepeatCounted<C> counted;
+  C middle, one;
+  template <class Real>
+  explicit RepeatNeighbour(const Real* p) : counted(p), middle(p[5]), one(Real(1)) {}
+
+  template <class T>
+  T operator()(const T& p) const {
+    const C own = counted.cell(value_of(p));
+    const C side = select(value_of(p) - own * counted.endless.period < middle, -one, one);
+    return p - counted.clamped(own + side) * counted.endless.period;
   }
 };
 

@@ -22,6 +22,19 @@ struct Sphere {
   }
 };
 
+/// The same about the origin. Constants: r.
+template <class C>
+struct OriginSphere {
+  C radius;
+  template <class Real>
+  explicit OriginSphere(const Real* p) : radius(p[0]) {}
+
+  template <class T>
+  T operator()(const T& x, const T& y, const T& z) const {
+    return length(x, y, z) - radius;
+  }
+};
+
 /// Box with faces along the axes. Constants: centre (3), half edges (3).
 template <class C>
 struct Box {
@@ -32,6 +45,19 @@ struct Box {
   template <class T>
   T operator()(const T& x, const T& y, const T& z) const {
     return box_distance(abs(x - cx) - hx, abs(y - cy) - hy, abs(z - cz) - hz, zero);
+  }
+};
+
+/// The same about the origin. Constants: half edges (3).
+template <class C>
+struct OriginBox {
+  C hx, hy, hz, zero;
+  template <class Real>
+  explicit OriginBox(const Real* p) : hx(p[0]), hy(p[1]), hz(p[2]), zero(Real(0)) {}
+
+  template <class T>
+  T operator()(const T& x, const T& y, const T& z) const {
+    return box_distance(abs(x) - hx, abs(y) - hy, abs(z) - hz, zero);
   }
 };
 
@@ -71,6 +97,19 @@ struct Cylinder {
   template <class T>
   T operator()(const T& x, const T& z) const {
     return length(x - cx, z - cz) - radius;
+  }
+};
+
+/// The same about a coordinate axis. Constants: r.
+template <class C>
+struct OriginCylinder {
+  C radius;
+  template <class Real>
+  explicit OriginCylinder(const Real* p) : radius(p[0]) {}
+
+  template <class T>
+  T operator()(const T& x, const T& z) const {
+    return length(x, z) - radius;
   }
 };
 

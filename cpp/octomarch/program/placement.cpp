@@ -1,5 +1,6 @@
 #include "octomarch/program/placement.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -48,6 +49,7 @@ ValueId emit_box(const Node& node, const Placement& placement, DataFlow& flow) {
   Vec3 half = place.rotation * Vec3{node.parameter(0), node.parameter(1), node.parameter(2)} * place.scale;
   half = {std::fabs(half.x), std::fabs(half.y), std::fabs(half.z)};
   const Vec3& c = place.offset;
+  if (c == Vec3{}) return flow.emit(Opcode::kOriginBox, place.frame, {{half.x, half.y, half.z}});
   return flow.emit(Opcode::kBox, place.frame, {{c.x, c.y, c.z, half.x, half.y, half.z}});
 }
 
@@ -70,6 +72,9 @@ ValueId emit_revolution(const Node& node, const Placement& placement, DataFlow& 
   const double s = place.scale;
   if (node.kind() == NodeKind::kCylinder) {
     const Revolution r = revolve(place, node.parameter(1));
+    if (r.centre[0] == 0.0 && r.centre[2] == 0.0) {
+      return flow.emit(Opcode::kOriginCylinder, {{r.frame[0], r.frame[2]}}, {{s * node.parameter(0)}});
+    }
     return flow.emit(Opcode::kCylinder, {{r.frame[0], r.frame[2]}}, {{r.centre[0], r.centre[2], s * node.parameter(0)}});
   }
   const Revolution r = revolve(place, node.parameter(2));
@@ -78,11 +83,53 @@ ValueId emit_revolution(const Node& node, const Placement& placement, DataFlow& 
                    {{r.centre[0], r.centre[1], r.centre[2], s * node.parameter(0), s * node.parameter(1)}});
 }
 
-/// Constants of ops::RepeatAxis. An axis that is not repeated keeps its coordinate: period 0, one cell.
-std::array<double, 6> repeat_constants(const RepeatAxis& axis, double offset, double scale) {
-  if (axis.period == 0.0) return {offset, 0.0, 0.0, 0.5, 0.0, 0.0};
-  const double period = axis.period * scale;
-  return {offset, period, 1.0 / period, axis.shift, 0.5 - axis.shift, axis.limit};
+/// A kRepeat node's repetition along one axis of the frame.
+struct FrameRepeat {
+  RepeatAxis cells{0.0, 0.5, 0.0};
+  double middle = 0.0;     ///< where the content stands
+  bool symmetric = false;  ///< content is its own mirror image across this axis
+
+  bool repeats() const { return cells.period != 0.0; }
+  bool endless() const { return std::isinf(cells.limit); }
+  /// Constants of ops::RepeatNeighbour, of which each simpler operator takes the beginning.
+  std::array<double, 6> constants() const {
+    return {cells.period, 1.0 / cells.period, cells.shift - middle / cells.period, 0.5 - cells.shift, cells.limit, middle};
+  }
+};
+
+std::array<FrameRepeat, 3> frame_repeats(const Placement& place, const Node& repeat, unsigned symmetry) {
+  std::array<FrameRepeat, 3> axes;
+  for (std::size_t local = 0; local < 3; ++local) {
+    const std::size_t axis = frame_axis(place, local);
+    axes[axis].cells = repeat_axis(repeat, local);
+    axes[axis].cells.period *= place.scale;
+    axes[axis].middle = component(place.offset, axis);
+    axes[axis].symmetric = (symmetry & (kMirrorX << local)) != 0;
+  }
+  return axes;
+}
+
+/// Moves each repeated coordinate into its nearest cell; one instruction serves all three where it can.
+std::array<ValueId, 3> nearest_cell(const std::array<ValueId, 3>& frame, const std::array<FrameRepeat, 3>& axes,
+                                    DataFlow& flow) {
+  if (axes[0].repeats() && axes[1].repeats() && axes[2].repeats() && axes[0].endless() && axes[1].endless() &&
+      axes[2].endless()) {
+    std::array<double, 9> all{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const std::array<double, 6> constants = axes[axis].constants();
+      std::copy_n(constants.begin(), 3, all.begin() + static_cast<std::ptrdiff_t>(axis * 3));
+    }
+    const ValueId moved = flow.emit(Opcode::kRepeat, frame, all);
+    return {moved, moved + 1, moved + 2};
+  }
+  std::array<ValueId, 3> moved = frame;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!axes[axis].repeats()) continue;
+    const std::array<double, 6> constants = axes[axis].constants();
+    const Opcode op = axes[axis].endless() ? Opcode::kRepeatAxis : Opcode::kRepeatCounted;
+    moved[axis] = flow.emit(op, {{frame[axis]}}, std::span(constants).first(info(op).constants));
+  }
+  return moved;
 }
 
 }  // namespace
@@ -132,38 +179,12 @@ Placement aligned(const Placement& placement, DataFlow& flow) {
 std::vector<Placement> repeat_placements(const Placement& parent, const Node& repeat, unsigned symmetry,
                                          DataFlow& flow) {
   const Placement place = aligned(parent, flow);
-  std::array<std::array<double, 6>, 3> constants{};
-  std::array<bool, 3> repeats{};
-  std::array<bool, 3> symmetric{};
-  for (std::size_t local = 0; local < 3; ++local) {
-    const std::size_t axis = frame_axis(place, local);
-    const RepeatAxis described = repeat_axis(repeat, local);
-    constants[axis] = repeat_constants(described, component(place.offset, axis), place.scale);
-    repeats[axis] = described.period != 0.0;
-    symmetric[axis] = (symmetry & (kMirrorX << local)) != 0;
-  }
-
-  // Move each coordinate into its nearest cell; one instruction serves all three where all are repeated.
-  Placement own = place;
-  own.offset = {repeats[0] ? 0.0 : place.offset.x, repeats[1] ? 0.0 : place.offset.y, repeats[2] ? 0.0 : place.offset.z};
-  if (repeats[0] && repeats[1] && repeats[2]) {
-    std::array<double, 18> all{};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      std::copy(constants[axis].begin(), constants[axis].end(), all.begin() + static_cast<std::ptrdiff_t>(axis * 6));
-    }
-    const ValueId moved = flow.emit(Opcode::kRepeat, place.frame, all);
-    own.frame = {moved, moved + 1, moved + 2};
-  } else {
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (repeats[axis]) own.frame[axis] = flow.emit(Opcode::kRepeatAxis, {{place.frame[axis]}}, constants[axis]);
-    }
-  }
-
-  // Add the neighbours on axes where the cell's content is not its own mirror image.
-  std::vector<Placement> placements{own};
+  const std::array<FrameRepeat, 3> axes = frame_repeats(place, repeat, symmetry);
+  std::vector<Placement> placements{place};
+  placements[0].frame = nearest_cell(place.frame, axes, flow);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (!repeats[axis] || symmetric[axis]) continue;
-    const ValueId neighbour = flow.emit(Opcode::kRepeatNeighbour, {{place.frame[axis]}}, constants[axis]);
+    if (!axes[axis].repeats() || axes[axis].symmetric) continue;
+    const ValueId neighbour = flow.emit(Opcode::kRepeatNeighbour, {{place.frame[axis]}}, axes[axis].constants());
     const std::size_t so_far = placements.size();
     for (std::size_t i = 0; i < so_far; ++i) {
       placements.push_back(placements[i]);
@@ -177,7 +198,9 @@ ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFl
   switch (primitive.kind()) {
     case NodeKind::kSphere: {
       const Vec3& c = placement.offset;
-      return flow.emit(Opcode::kSphere, placement.frame, {{c.x, c.y, c.z, placement.scale * primitive.parameter(0)}});
+      const double radius = placement.scale * primitive.parameter(0);
+      if (c == Vec3{}) return flow.emit(Opcode::kOriginSphere, placement.frame, {{radius}});
+      return flow.emit(Opcode::kSphere, placement.frame, {{c.x, c.y, c.z, radius}});
     }
     case NodeKind::kBox:
       return emit_box(primitive, placement, flow);

@@ -71,17 +71,18 @@ struct RayScratch {
   SurfacePass<Real> surface;
 };
 
-/// Fills origins, unit directions, t_max and epsilon of one chunk; directions that have no length become zero, which
-/// the march reports as invalid.
+/// Fills origins, unit directions, t_max and epsilon of one chunk; directions that have no length become NaN, which the
+/// march reports as invalid.
 template <class Real>
 void set_rays(RayScratch<Real>& s, const double* origins, const double* directions, std::size_t count,
               const March& march, double t_max) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   split(origins, count, s.batch.origin);
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 d{directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]};
     const Vec3 o{origins[3 * i], origins[3 * i + 1], origins[3 * i + 2]};
     const bool usable = is_finite(d) && !(d == Vec3{});
-    const Vec3 unit = usable ? normalized(d) : Vec3{};
+    const Vec3 unit = usable ? normalized(d) : Vec3{kNan, kNan, kNan};
     s.length[i] = usable ? length(d) : 1.0;
     s.batch.direction.x[i] = static_cast<Real>(unit.x);
     s.batch.direction.y[i] = static_cast<Real>(unit.y);

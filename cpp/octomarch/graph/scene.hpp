@@ -1,0 +1,97 @@
+// What a picture is of and how it is wanted: materials, lights, sky, camera and settings, as plain data in double
+// precision. Python validates and fills these; render/ and reference/ read them. Colours are linear RGB.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "octomarch/base/types.hpp"
+
+namespace octomarch {
+
+/// Surface under Lambert and Phong. diffuse = (1 − metallic)·color·(n·l); highlight colour =
+/// mix(specular·white, color, metallic); Phong exponent from roughness: see phong_exponent().
+struct Material {
+  Vec3 color{0.8, 0.8, 0.8};
+  double roughness = 0.5;  ///< 0 (mirror-like highlight) … 1 (dull)
+  double specular = 0.3;   ///< strength of the highlight of a non-metal, 0 … 1
+  double metallic = 0.0;   ///< 0 … 1
+
+  friend bool operator==(const Material&, const Material&) = default;
+};
+
+/// Phong exponent of a roughness: 2/α² − 2 with α = roughness², clamped to [1, 8192] (B. Karis, "Specular BRDF
+/// reference", 2013, for the map from roughness to a power).
+double phong_exponent(double roughness);
+
+enum class LightKind : std::uint8_t { kDirectional, kPoint };
+
+struct Light {
+  LightKind kind = LightKind::kDirectional;
+  Vec3 vector{0.0, -1.0, 0.0};  ///< directional: unit direction in which light travels; point: position
+  Vec3 color{1.0, 1.0, 1.0};    ///< irradiance on a surface that faces the light (point: at unit distance)
+  int decay = 2;                ///< point lights: irradiance = color / distance^decay; 0, 1 or 2
+};
+
+/// Radiance of a ray that hits nothing: toward·max(rd·L, 0) + away·max(−rd·L, 0) + base.
+struct Sky {
+  Vec3 axis{0.0, 1.0, 0.0};  ///< unit vector L
+  Vec3 toward{0.0, 0.0, 0.0};
+  Vec3 away{0.0, 0.0, 0.0};
+  Vec3 base{0.0, 0.0, 0.0};
+};
+
+enum class CameraKind : std::uint8_t { kPerspective, kOrthographic };
+
+/// Look-at camera: w = unit(target − eye), u = unit(w × up), v = u × w. Pixel (i, j) of width × height has its centre
+/// at s = (2(i + ½)/width − 1)·aspect, r = 1 − 2(j + ½)/height. Perspective: origin eye, direction
+/// unit(w + tan(fov/2)·(s·u + r·v)). Orthographic: origin eye + height/2·(s·u + r·v), direction w.
+struct Camera {
+  CameraKind kind = CameraKind::kPerspective;
+  Vec3 eye{0.0, 0.0, 1.0};
+  Vec3 target{0.0, 0.0, 0.0};
+  Vec3 up{0.0, 1.0, 0.0};
+  double fov = 45.0;    ///< vertical, degrees, in (0, 180); perspective only
+  double height = 2.0;  ///< of the picture in scene units; orthographic only
+};
+
+/// How rays are marched. `hit epsilon` at parameter t of a ray with origin o, the same for every marcher:
+///   eps(t) = max(epsilon, 16u·max(|o|∞, t), pixel_tolerance·pixel_radius(t)),
+/// u = 2⁻²⁴ in float, 2⁻⁵³ in double: at least four units in the last place of |p|∞ and of t, since |p|∞ ≤ |o|∞ + t.
+/// pixel_radius(t) is half the height of a pixel at parameter t (0 for queries, where there is no pixel).
+struct March {
+  int max_steps = 256;           ///< evaluations per ray at the most, ≥ 1
+  double epsilon = 1e-4;         ///< absolute, scene units, ≥ 0
+  double pixel_tolerance = 0.1;  ///< in pixel radii, ≥ 0
+  double max_distance = 1e3;     ///< farthest t, > 0
+  bool secant_finish = true;     ///< refine a hit by the secant through the last two samples
+};
+
+enum class Normals : std::uint8_t { kExact, kCentral };
+enum class Shadows : std::uint8_t { kNone, kHard, kSoft };
+
+struct Shading {
+  Normals normals = Normals::kExact;
+  double normal_step = 1e-3;  ///< half the central difference, scene units; kCentral only
+  Shadows shadows = Shadows::kSoft;
+  double shadow_k = 32.0;           ///< sharpness of soft shadows, > 0
+  int occlusion = 5;                ///< samples along the normal; 0 = none
+  double occlusion_distance = 0.1;  ///< of the farthest sample, scene units, > 0
+};
+
+/// Per-ray outcome. Values are part of the file format.
+enum class Status : std::uint8_t {
+  kHit = 0,
+  kMiss = 1,
+  kStepLimit = 2,  ///< max_steps spent; t is the candidate: no surface lies before it
+  kInside = 3,     ///< origin in the solid, or nearer than epsilon to it; t = 0
+  kInvalid = 4,    ///< NaN field, or a direction that is zero or not finite
+};
+
+struct Scene {
+  std::vector<Light> lights;
+  Sky sky;
+  Vec3 ambient{0.1, 0.1, 0.1};
+};
+
+}  // namespace octomarch
