@@ -1,0 +1,63 @@
+"""What a measurement was made on: processor, compiler, versions, commit and date."""
+
+import os
+import platform
+import re
+import subprocess
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import octomarch as om
+
+# The flags that decide which code can run; the others of a processor say nothing here.
+SIMD_FLAGS = re.compile(r"sse\w*|ssse3|avx\w*|fma|bmi[12]|asimd\w*|sve\w*")
+
+
+def processor() -> dict[str, Any]:
+    """Return model, SIMD flags and number of processors."""
+    cpuinfo = Path("/proc/cpuinfo")
+    text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
+    fields: dict[str, str] = {}
+    for line in text.split("\n\n")[0].splitlines():
+        name, _, value = line.partition(":")
+        fields[name.strip()] = value.strip()
+    flags = fields.get("flags", fields.get("Features", "")).split()
+    return {
+        "model": fields.get("model name", platform.processor() or platform.machine()),
+        "family_model_stepping": [fields.get(name) for name in ("cpu family", "model", "stepping")],
+        "mhz": fields.get("cpu MHz"),
+        "processors": os.cpu_count(),
+        "usable_processors": len(os.sched_getaffinity(0)),
+        "flags": [flag for flag in flags if SIMD_FLAGS.fullmatch(flag)],
+        "hypervisor": "hypervisor" in flags,
+    }
+
+
+def commit() -> str | None:
+    """Return the commit of this checkout, with a + when the library's sources were changed since; None without git."""
+    root = Path(__file__).resolve().parent.parent
+    try:
+        name = subprocess.run(["git", "rev-parse", "--short=12", "HEAD"], cwd=root, capture_output=True, check=True)
+        changed = subprocess.run(["git", "status", "--porcelain", "cpp"], cwd=root, capture_output=True, check=True)
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    return name.stdout.decode().strip() + ("+" if changed.stdout else "")
+
+
+def describe(module: Any) -> dict[str, Any]:
+    """Return everything about this run that is not a time."""
+    return {
+        "date": datetime.now(UTC).isoformat(timespec="seconds"),
+        "commit": commit(),
+        "processor": processor(),
+        "load_average_before": list(os.getloadavg()),
+        "system": f"{platform.system()} {platform.release()}, {' '.join(platform.libc_ver())}",
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+        "octomarch": om.__version__,
+        "engine_build": om.build_info(),
+        "bench_build": {"compiler": module.compiler, "flags": module.flags, "xsimd": module.xsimd},
+    }

@@ -1,0 +1,44 @@
+"""The two scenes of the benchmark, as the engine's users write them. cpp/scenes.hpp says the same by hand."""
+
+from dataclasses import dataclass
+
+import octomarch as om
+
+SIZE = (640, 480)
+MAX_STEPS = 256
+EPSILON = 1e-3
+MAX_DISTANCE = 100.0
+
+
+@dataclass(frozen=True)
+class Scene:
+    """A shape and where it is looked at from; the camera looks at the origin, y is up."""
+
+    name: str
+    title: str
+    shape: om.Shape
+    eye: tuple[float, float, float]
+    fov: float = 45.0
+
+    @property
+    def camera(self) -> om.Camera:
+        return om.Camera(eye=self.eye, target=(0, 0, 0), fov=self.fov)
+
+
+def blend() -> Scene:
+    """Return scene A."""
+    ball = om.sphere(1.0)
+    cube = om.box(1.5).translate(0.9, 0.3, 0.0)
+    floor = om.plane(normal=(0, 1, 0), point=(0, -1, 0))
+    return Scene("A", "sphere and box, smoothly united, on a floor", ball.union(cube, smooth=0.25) | floor, (3, 2, 4))
+
+
+def building() -> Scene:
+    """Return scene B."""
+    windows = om.box((0.6, 0.8, 0.6)).repeat((1, 1.5, 1))
+    tower = om.box((4, 12, 4)) - windows - om.cylinder(1.2, axis="y")
+    floor = om.plane(normal=(0, 1, 0), point=(0, -6, 0))
+    return Scene("B", "tower minus repeated windows minus a shaft, on a floor", tower | floor, (9, 4, 12))
+
+
+SCENES = {"A": blend, "B": building}
