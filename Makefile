@@ -1,5 +1,6 @@
 # Everything one does with octomarch. `make demo` and `make test` start from a bare Debian with Python ≥ 3.11, g++, make
-# and pip: they make .venv, install what is missing and build. Each step leaves a stamp and is redone when its inputs change.
+# and pip: they make .venv, install what is missing and build. Each step leaves a stamp, and is redone when its inputs
+# change.
 #
 #   make demo    render the demo scenes          make lint     check formats, types and style, Python and C++
 #   make test    lint, C++ tests, pytest         make format   rewrite the sources as lint wants them

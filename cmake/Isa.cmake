@@ -32,7 +32,7 @@ foreach(isa IN LISTS isa_candidates)
     list(APPEND OCTOMARCH_ISAS ${isa})
     add_library(octomarch_isa_options_${isa} INTERFACE)
     target_compile_options(octomarch_isa_options_${isa} INTERFACE
-      $<$<NOT:$<CONFIG:Debug>>:-O3> -fvisibility=hidden ${isa_flags_${isa}})
+      $<$<CONFIG:Release>:-O3> -fvisibility=hidden ${isa_flags_${isa}})
   endif()
 endforeach()
 message(STATUS "Instruction sets: ${OCTOMARCH_ISAS}")

@@ -45,8 +45,8 @@ endfunction()
 # pythran's headers are copied into the build tree: pythran/ holds more than xsimd, and the environment of an isolated
 # build is gone when the next build wants to know whether anything changed.
 function(octomarch_xsimd_from_pythran result)
-  set(program "import importlib.util as u; s = u.find_spec('pythran'); print(s.submodule_search_locations[0] if s else '')")
-  execute_process(COMMAND "${Python_EXECUTABLE}" -c "${program}"
+  set(where "import importlib.util as u; s = u.find_spec('pythran'); print(*s.submodule_search_locations if s else '')")
+  execute_process(COMMAND "${Python_EXECUTABLE}" -c "${where}"
                   OUTPUT_VARIABLE pythran_dir OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET)
   set(include_dir "${PROJECT_BINARY_DIR}/xsimd-headers")
   octomarch_xsimd_version(have "${include_dir}")

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
-# Prepares the machine for the Makefile: Python's headers, GLM and ccache ("build") or doctest ("test") through apt where
-# they are missing and apt may be used, then, for "build", the virtual environment .venv. Says what to do where it may not.
+# Prepares the machine for the Makefile: Python's headers, GLM and ccache ("build") or doctest ("test") through apt
+# where they are missing and apt may be used, then, for "build", the virtual environment .venv. Says what to do where it
+# may not. Called as: setup.sh PYTHON build|test
 set -euo pipefail
 python=$1
 stage=$2
