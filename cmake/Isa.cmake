@@ -5,8 +5,9 @@ include(CheckCXXCompilerFlag)
 # scalar is one lane at a time, so that it shows what packets gain: the compiler must not vectorise it behind our back.
 set(isa_flags_scalar -fno-tree-vectorize -fno-tree-slp-vectorize)
 set(isa_flags_sse2 "")
-set(isa_flags_avx2 -mavx2)
-set(isa_flags_avx512 -mavx512f -mavx512cd -mavx512dq -mavx512bw -mavx512vl)
+# BMI and POPCNT come with every AVX2 processor; without them GCC does integer and-not in mask registers.
+set(isa_flags_avx2 -mavx2 -mbmi -mbmi2 -mpopcnt)
+set(isa_flags_avx512 -mbmi -mbmi2 -mpopcnt -mavx512f -mavx512cd -mavx512dq -mavx512bw -mavx512vl)
 set(isa_flags_neon "")
 if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
   # GCC 12 takes its own AVX-512 intrinsics for uninitialised: https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105593

@@ -97,8 +97,9 @@ struct SurfaceView {
   std::size_t count;
   Vectors<Real> position;
   Vectors<Real> direction;  ///< of the ray that found the point, unit
-  Vectors<Real> normal;     ///< unit
-  Vectors<Real> origin;     ///< position moved off the surface along the normal
+  Vectors<Real> normal;     ///< unit, outward
+  Vectors<Real> facing;     ///< the normal to shade with: never away from the ray
+  Vectors<Real> origin;     ///< position moved off the surface along it
   Real* epsilon;            ///< hit epsilon at the point
 };
 
@@ -150,8 +151,11 @@ struct KernelTable {
   /// The gradient by central differences, scaled by 2·step (directions are what counts).
   void (*central_difference)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points,
                              std::size_t count, Real step, const Vectors<Real>& out);
-  /// Gradients in surface.normal become unit normals, −direction where there is none; origin = position + 2·epsilon·n.
-  void (*orient)(const SurfaceView<Real>&);
+  /// Gradients in surface.normal become unit normals, −direction where there is none.
+  void (*normalize)(const SurfaceView<Real>&);
+  /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, at an edge whose tolerance a ray
+  /// has grazed, is turned until it is square to the ray.
+  void (*face_rays)(const SurfaceView<Real>&);
   /// Ambient visibility from `samples` points along the normal, up to `distance` away.
   void (*occlusion)(const TapeView<Real>&, Real* registers, const SurfaceView<Real>&, int samples, Real distance,
                     Real* out);

@@ -24,14 +24,18 @@ namespace {
 
 std::vector<Isa> detect() {
   std::vector<Isa> isas;
+#if defined(OCTOMARCH_HAVE_AVX2) || defined(OCTOMARCH_HAVE_AVX512)
+  const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
+                    __builtin_cpu_supports("popcnt");
+#endif
 #ifdef OCTOMARCH_HAVE_AVX512
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl")) {
+  if (has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&
+      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") && __builtin_cpu_supports("avx512vl")) {
     isas.push_back({"avx512", &avx512::kTable32, &avx512::kTable64});
   }
 #endif
 #ifdef OCTOMARCH_HAVE_AVX2
-  if (__builtin_cpu_supports("avx2")) isas.push_back({"avx2", &avx2::kTable32, &avx2::kTable64});
+  if (has_avx2) isas.push_back({"avx2", &avx2::kTable32, &avx2::kTable64});
 #endif
 #ifdef OCTOMARCH_HAVE_SSE2
   isas.push_back({"sse2", &sse2::kTable32, &sse2::kTable64});  // part of x86-64 itself

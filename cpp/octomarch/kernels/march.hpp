@@ -2,7 +2,7 @@
 // the next packet of the stream as soon as all its rays have ended. J. C. Hart, "Sphere tracing", The Visual Computer
 // 12(10), 1996.
 //
-// A step leaves a ray that has ended as it is: at a hit t stays and hits again, past t_max it stays past, a NaN stays
+// A step leaves a ray that has ended as it is: at a hit t stays and hits again, past t_max it stays there, a NaN stays
 // NaN. So no mask is kept with the state; which rays live is read off each step as one 64-bit word, and what became of
 // a ray is read off t when its packet retires.
 //
@@ -132,9 +132,9 @@ struct HitTask {
   static constexpr Real kFirstCarried = 0;
   std::int32_t* steps() const { return out.steps; }
 
-  void observe(BlockState<Real>& state, std::size_t lane, const T& /*t*/, const T& r, const Mask<Real>& hit) const {
+  void observe(BlockState<Real>& state, std::size_t lane, const T& /*t*/, const T& r, const Mask<Real>& goes_on) const {
     if constexpr (kSecantFinish) {
-      select(hit, T::load(state.carried + lane), r).store(state.carried + lane);
+      select(goes_on, r, T::load(state.carried + lane)).store(state.carried + lane);
       r.store(state.r + lane);
     }
   }
@@ -174,9 +174,10 @@ struct HitTask {
   // values of octomarch::Status, which kernels do not include
   static constexpr Real kHit = 0, kMiss = 1, kStepLimit = 2, kInside = 3, kInvalid = 4;
 
-  /// The root of the secant through the last two samples, trusted for 32 times the last distance at the most.
+  /// The root of the secant through the last two samples, trusted for 32 times the last distance at the most, and not
+  /// at all where the field did not fall between them.
   static T finished(const T& t, const T& r, const T& previous, const T& t_max) {
-    const T root = r * previous / (previous - r);
+    const T root = select(r < previous, r * previous / (previous - r), T(Real(0)));
     const T farthest = T(Real(32)) * max(r, T(Real(0)));
     return min(t + min(root, farthest), t_max);
   }
@@ -192,7 +193,7 @@ struct ShadowTask {
   static constexpr Real kFirstCarried = 1;
   std::int32_t* steps() const { return nullptr; }
 
-  void observe(BlockState<Real>& state, std::size_t lane, const T& t, const T& r, const Mask<Real>& /*hit*/) const {
+  void observe(BlockState<Real>& state, std::size_t lane, const T& t, const T& r, const Mask<Real>& /*goes_on*/) const {
     const T so_far = T::load(state.carried + lane);
     const T penumbra = min(k * r / t, so_far);
     select(t <= T::load(state.t_max + lane), penumbra, so_far).store(state.carried + lane);
@@ -277,11 +278,13 @@ class Marcher {
     for_each_batch<Real>(count, [&](std::size_t lane) {
       const T t = T::load(state.t + lane);
       const T r = T::load(field + lane) * step_scale;
-      const Mask<Real> hit = r < max(T::load(state.epsilon + lane), slope * t);
-      const T next = select(hit, t, t + r);
-      task.observe(state, lane, t, r, hit);
+      const T t_max = T::load(state.t_max + lane);
+      // not "r > epsilon": a NaN field has to move t, and make it NaN
+      const Mask<Real> goes_on = (t <= t_max) & !(r <= max(T::load(state.epsilon + lane), slope * t));
+      const T next = select(goes_on, t + r, t);
+      task.observe(state, lane, t, r, goes_on);
       next.store(state.t + lane);
-      live |= ((next <= T::load(state.t_max + lane)) & !hit).bits() << lane;
+      live |= (goes_on & (next <= t_max)).bits() << lane;
     });
     return live;
   }

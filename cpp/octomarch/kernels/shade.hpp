@@ -70,7 +70,7 @@ void light_samples(const SurfaceView<Real>& surface, const LightView<Real>& ligh
     lz.store(out.toward.z + i);
     distance.store(out.distance + i);
     const T cosine =
-        lx * T::load(surface.normal.x + i) + ly * T::load(surface.normal.y + i) + lz * T::load(surface.normal.z + i);
+        lx * T::load(surface.facing.x + i) + ly * T::load(surface.facing.y + i) + lz * T::load(surface.facing.z + i);
     cosine.store(out.cosine + i);
   }
 }
@@ -92,9 +92,9 @@ void add_light(const SurfaceView<Real>& surface, const LightView<Real>& light, c
 
     // mirror direction 2(n·l)n − l, against the ray's
     const T twice = cosine + cosine;
-    const T rx = twice * T::load(surface.normal.x + i) - T::load(samples.toward.x + i);
-    const T ry = twice * T::load(surface.normal.y + i) - T::load(samples.toward.y + i);
-    const T rz = twice * T::load(surface.normal.z + i) - T::load(samples.toward.z + i);
+    const T rx = twice * T::load(surface.facing.x + i) - T::load(samples.toward.x + i);
+    const T ry = twice * T::load(surface.facing.y + i) - T::load(samples.toward.y + i);
+    const T rz = twice * T::load(surface.facing.z + i) - T::load(samples.toward.z + i);
     const T aligned = -(rx * T::load(surface.direction.x + i) + ry * T::load(surface.direction.y + i) +
                         rz * T::load(surface.direction.z + i));
     const T lobe = ops::power(min(max(aligned, zero), T(Real(1))), T::load(material.exponent + i));

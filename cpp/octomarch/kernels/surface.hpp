@@ -91,27 +91,54 @@ void central_difference(const TapeView<Real>& tape, Real* registers, const Vecto
   }
 }
 
+/// v / ‖v‖, or `otherwise` where v has no usable length.
+template <class T>
+ops::Triple<T> unit_or(const ops::Triple<T>& v, const ops::Triple<T>& otherwise) {
+  using Real = typename T::Real;
+  const T length2 = square(v.x) + square(v.y) + square(v.z);
+  const auto usable = (length2 > T(Real(0))) & (length2 < T(std::numeric_limits<Real>::infinity()));
+  const T inverse = T(Real(1)) / sqrt(length2);
+  return {select(usable, v.x * inverse, otherwise.x), select(usable, v.y * inverse, otherwise.y),
+          select(usable, v.z * inverse, otherwise.z)};
+}
+
 template <class Real>
-void orient(const SurfaceView<Real>& surface) {
+ops::Triple<Lanes<Real>> load3(const Vectors<Real>& rows, std::size_t i) {
+  return {Lanes<Real>::load(rows.x + i), Lanes<Real>::load(rows.y + i), Lanes<Real>::load(rows.z + i)};
+}
+
+template <class Real>
+void store3(const ops::Triple<Lanes<Real>>& v, const Vectors<Real>& rows, std::size_t i) {
+  v.x.store(rows.x + i);
+  v.y.store(rows.y + i);
+  v.z.store(rows.z + i);
+}
+
+template <class Real>
+void normalize(const SurfaceView<Real>& surface) {
+  const std::size_t end = batches<Real>(surface.count) * kWidth<Real>;
+  for (std::size_t i = 0; i < end; i += kWidth<Real>) {
+    const auto d = load3(surface.direction, i);
+    store3({unit_or(load3(surface.normal, i), {-d.x, -d.y, -d.z})}, surface.normal, i);
+  }
+}
+
+template <class Real>
+void face_rays(const SurfaceView<Real>& surface) {
   using T = Lanes<Real>;
   const std::size_t end = batches<Real>(surface.count) * kWidth<Real>;
   for (std::size_t i = 0; i < end; i += kWidth<Real>) {
-    const T gx = T::load(surface.normal.x + i);
-    const T gy = T::load(surface.normal.y + i);
-    const T gz = T::load(surface.normal.z + i);
-    const T length2 = gx * gx + gy * gy + gz * gz;
-    const Mask<Real> usable = (length2 > T(Real(0))) & (length2 < T(std::numeric_limits<Real>::infinity()));
-    const T inverse = T(Real(1)) / sqrt(length2);
-    const T nx = select(usable, gx * inverse, -T::load(surface.direction.x + i));
-    const T ny = select(usable, gy * inverse, -T::load(surface.direction.y + i));
-    const T nz = select(usable, gz * inverse, -T::load(surface.direction.z + i));
-    nx.store(surface.normal.x + i);
-    ny.store(surface.normal.y + i);
-    nz.store(surface.normal.z + i);
+    const auto n = load3(surface.normal, i);
+    const auto d = load3(surface.direction, i);
+    const auto p = load3(surface.position, i);
+    const T away = max(n.x * d.x + n.y * d.y + n.z * d.z, T(Real(0)));
+    const auto sideways = unit_or<T>({n.x - d.x * away, n.y - d.y * away, n.z - d.z * away}, {-d.x, -d.y, -d.z});
+    const Mask<Real> turned = away > T(Real(0));
+    const ops::Triple<T> facing{select(turned, sideways.x, n.x), select(turned, sideways.y, n.y),
+                                select(turned, sideways.z, n.z)};
+    store3(facing, surface.facing, i);
     const T offset = T::load(surface.epsilon + i) * T(Real(2));
-    (T::load(surface.position.x + i) + nx * offset).store(surface.origin.x + i);
-    (T::load(surface.position.y + i) + ny * offset).store(surface.origin.y + i);
-    (T::load(surface.position.z + i) + nz * offset).store(surface.origin.z + i);
+    store3<Real>({p.x + facing.x * offset, p.y + facing.y * offset, p.z + facing.z * offset}, surface.origin, i);
   }
 }
 
@@ -132,9 +159,9 @@ void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Re
       for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
         const std::size_t i = first + lane;
         const T h = height;
-        (T::load(surface.origin.x + i) + T::load(surface.normal.x + i) * h).store(registers + lane);
-        (T::load(surface.origin.y + i) + T::load(surface.normal.y + i) * h).store(registers + kLanes + lane);
-        (T::load(surface.origin.z + i) + T::load(surface.normal.z + i) * h).store(registers + 2 * kLanes + lane);
+        (T::load(surface.origin.x + i) + T::load(surface.facing.x + i) * h).store(registers + lane);
+        (T::load(surface.origin.y + i) + T::load(surface.facing.y + i) * h).store(registers + kLanes + lane);
+        (T::load(surface.origin.z + i) + T::load(surface.facing.z + i) * h).store(registers + 2 * kLanes + lane);
       }
       const Real* field = evaluate(tape, registers, n);
       for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {

@@ -9,8 +9,19 @@ namespace octomarch::kernels::OCTOMARCH_ISA {
 
 template <class Real>
 constexpr KernelTable<Real> make_table() {
-  return {&camera_rays<Real>, &march<Real>,  &shadow<Real>,    &distance<Real>,      &gradient<Real>,
-          &central_difference<Real>, &orient<Real>, &occlusion<Real>, &light_samples<Real>, &add_light<Real>};
+  return {
+      .camera_rays = &camera_rays<Real>,
+      .march = &march<Real>,
+      .shadow = &shadow<Real>,
+      .distance = &distance<Real>,
+      .gradient = &gradient<Real>,
+      .central_difference = &central_difference<Real>,
+      .normalize = &normalize<Real>,
+      .face_rays = &face_rays<Real>,
+      .occlusion = &occlusion<Real>,
+      .light_samples = &light_samples<Real>,
+      .add_light = &add_light<Real>,
+  };
 }
 
 extern const KernelTable<float> kTable32;

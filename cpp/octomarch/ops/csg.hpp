@@ -51,7 +51,8 @@ struct Complement : NoConstants {
 };
 
 /// What a smooth operator takes from the smaller, or adds to the larger, of two distances that differ by `gap`:
-/// max(k − |gap|, 0)²/(4k). Constants: k, 1/(4k).
+/// max(k − |gap|, 0)²/(4k). Callers order the gap so that it is ≥ 0 where min or max takes the second operand, as both
+/// do on a tie: abs has slope +1 at 0, and with that the derivative is right there too. Constants: k, 1/(4k).
 template <class C>
 struct Blend {
   C k, quarter_inverse, zero;
@@ -84,7 +85,7 @@ struct SmoothIntersection {
 
   template <class T>
   T operator()(const T& a, const T& b) const {
-    return max(a, b) + blend(a - b);
+    return max(a, b) + blend(b - a);
   }
 };
 
@@ -96,7 +97,7 @@ struct SmoothDifference {
 
   template <class T>
   T operator()(const T& a, const T& b) const {
-    return max(a, -b) + blend(a + b);
+    return max(a, -b) + blend(-b - a);
   }
 };
 

@@ -49,7 +49,7 @@ Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T
   for (int steps = 1; steps <= limits.max_steps; ++steps) {
     const T radius = field.distance(ray.origin + ray.direction * t) / limits.lipschitz;
     if (std::isnan(radius)) return {Status::kInvalid, kNowhere, steps};
-    if (radius < limits.hit_epsilon(ray, t)) {
+    if (radius <= limits.hit_epsilon(ray, t)) {
       if (t == T(0)) return {Status::kInside, T(0), steps};
       const T step = limits.secant_finish ? secant_step(previous, radius) : T(0);
       return {Status::kHit, std::min(t + step, limits.t_max), steps};

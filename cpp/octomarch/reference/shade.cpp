@@ -12,11 +12,22 @@ T positive(T x) {
   return std::max(x, T(0));
 }
 
+/// The normal to shade with: one that faces away, at an edge whose tolerance a ray has grazed, is turned to the side.
+template <class T>
+Vector<T> facing_normal(const Vector<T>& normal, const Vector<T>& direction) {
+  const T away = glm::dot(normal, direction);
+  if (!(away > T(0))) return normal;
+  const Vector<T> sideways = direction_of(normal - direction * away);
+  return sideways == Vector<T>(0) ? -direction : sideways;
+}
+
 }  // namespace
 
 template <class T>
 Vector<T> Shader<T>::radiance(const Ray<T>& ray, const Arrival<T>& arrival, const Surface<T>& surface) const {
   if (arrival.status == Status::kMiss) return sky(ray.direction);
+  const bool turned_away = glm::dot(surface.normal, ray.direction) >= T(0);
+  if (arrival.status == Status::kStepLimit && turned_away) return sky(ray.direction);
   return has_surface(arrival.status) ? lit(ray, arrival, surface) : Vector<T>(0);
 }
 
@@ -34,7 +45,7 @@ Vector<T> Shader<T>::lit(const Ray<T>& ray, const Arrival<T>& arrival, const Sur
   const T metallic = T(material.metallic);
   const Vector<T> highlight = glm::mix(Vector<T>(T(material.specular)), albedo, metallic);
   const T exponent = T(phong_exponent(material.roughness));
-  const Vector<T>& normal = surface.normal;
+  const Vector<T> normal = facing_normal(surface.normal, ray.direction);
   const T epsilon = limits_.hit_epsilon(ray, arrival.t);
   // Two tolerances off the surface no shadow ray meets the surface it leaves, whatever its direction.
   const Vector<T> origin = surface.position + normal * (T(2) * epsilon);
@@ -83,7 +94,7 @@ T Shader<T>::visibility(const Vector<T>& origin, const Beam& beam, T epsilon) co
   T t = T(0);
   for (int step = 0; step < limits_.max_steps && t <= beam.distance; ++step) {
     const T radius = field_.distance(origin + beam.toward_light * t) / limits_.lipschitz;
-    if (radius < std::max(epsilon, T(16) * kUnitRoundoff<T> * t)) return T(0);
+    if (radius <= std::max(epsilon, T(16) * kUnitRoundoff<T> * t)) return T(0);
     if (shading_.shadows == Shadows::kSoft && t > T(0)) {
       openness = std::min(openness, T(shading_.shadow_k) * radius / t);
     }

@@ -27,6 +27,7 @@ Illumination<Real>::Illumination(const Picture& picture, const kernels::KernelTa
 
 template <class Real>
 void Illumination<Real>::run(SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
+  kernels_.face_rays(surface.view());
   set_materials(surface);
   add_ambient(surface, stats);
   for (const Light& light : picture_.scene->lights) {
@@ -130,6 +131,16 @@ void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& l
                   shadow_visibility_.data(), stats.shadow);
   stats.shadow_rays += lit_.size();
   for (std::size_t k = 0; k < lit_.size(); ++k) visibility_[lit_[k]] = shadow_visibility_[k];
+}
+
+template <class Real>
+Vec3 Illumination<Real>::color(const SurfacePass<Real>& surface, std::size_t i) const {
+  const Real dx = surface.direction.x[i];
+  const Real dy = surface.direction.y[i];
+  const Real dz = surface.direction.z[i];
+  const Real away = surface.normal.x[i] * dx + surface.normal.y[i] * dy + surface.normal.z[i] * dz;
+  if (surface.status(i) == Status::kStepLimit && away >= Real(0)) return sky_color(picture_.scene->sky, dx, dy, dz);
+  return {double(color_.x[i]), double(color_.y[i]), double(color_.z[i])};
 }
 
 template class Illumination<float>;

@@ -16,7 +16,8 @@ class Illumination {
   /// Sums the colour of every point of `surface`, whose normals (and, with several materials, objects) are known.
   void run(SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats);
 
-  Vec3 color(std::size_t i) const { return {double(color_.x[i]), double(color_.y[i]), double(color_.z[i])}; }
+  /// Colour of surface point i. A candidate (STEP_LIMIT) whose surface faces away is none: it shows the sky.
+  Vec3 color(const SurfacePass<Real>& surface, std::size_t i) const;
 
  private:
   void set_materials(const SurfacePass<Real>& surface);

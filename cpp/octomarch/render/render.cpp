@@ -10,16 +10,6 @@ namespace octomarch {
 
 namespace {
 
-/// Values of pixels where no surface is; the tiles overwrite the others.
-template <class Real>
-void clear(const Planes<Real>& planes, std::size_t pixels) {
-  if (planes.color) std::fill_n(planes.color, pixels * 3, Real(0));
-  if (planes.position) std::fill_n(planes.position, pixels * 3, Real(0));
-  if (planes.normal) std::fill_n(planes.normal, pixels * 3, Real(0));
-  if (planes.object_id) std::fill_n(planes.object_id, pixels, -1);
-  if (planes.material_id) std::fill_n(planes.material_id, pixels, -1);
-}
-
 void add(kernels::Counters& sum, const kernels::Counters& part) {
   sum.evaluations += part.evaluations;
   sum.lane_slots += part.lane_slots;
@@ -44,7 +34,6 @@ RenderStats render(const Picture& picture, const Planes<Real>& planes, const ker
                    const Listener& listener) {
   const TileGrid grid(picture);
   const unsigned workers = thread_count(threads);
-  clear(planes, std::size_t{picture.width} * picture.height);
   std::vector<std::unique_ptr<TileRenderer<Real>>> renderers(std::min<std::size_t>(workers, grid.count()));
   parallel_for(
       grid.count(), workers,

@@ -7,6 +7,7 @@ SurfacePass<Real>::SurfacePass(const Program& program, const kernels::KernelTabl
     : position(size),
       direction(size),
       normal(size),
+      facing(size),
       origin(size),
       epsilon(size),
       program_(program),
@@ -14,17 +15,20 @@ SurfacePass<Real>::SurfacePass(const Program& program, const kernels::KernelTabl
       object_(size),
       registers_(register_file<Real>(program.distance(), 1)) {
   ray_.reserve(size);
+  status_.reserve(size);
 }
 
 template <class Real>
 void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays,
                                const kernels::Column<Real>& absolute_epsilon, std::size_t count) {
   ray_.clear();
+  status_.clear();
   for (std::size_t i = 0; i < count; ++i) {
     const auto status = static_cast<Status>(batch.status[i]);
     if (status != Status::kHit && status != Status::kStepLimit) continue;
     const std::size_t k = ray_.size();
     ray_.push_back(i);
+    status_.push_back(status);
     const Real t = batch.t[i];
     direction.x[k] = RayColumns<Real>::at(rays.dx, i);
     direction.y[k] = RayColumns<Real>::at(rays.dy, i);
@@ -48,7 +52,7 @@ std::uint64_t SurfacePass<Real>::find_normals(const Shading& shading) {
     kernels_.central_difference(tape, registers(), position.read(), count(), clamped<Real>(shading.normal_step),
                                 normal.view());
   }
-  kernels_.orient(view());
+  kernels_.normalize(view());
   return evaluations;
 }
 
@@ -62,7 +66,7 @@ std::uint64_t SurfacePass<Real>::find_objects() {
 
 template <class Real>
 kernels::SurfaceView<Real> SurfacePass<Real>::view() {
-  return {count(), position.view(), direction.view(), normal.view(), origin.view(), epsilon.data()};
+  return {count(), position.view(), direction.view(), normal.view(), facing.view(), origin.view(), epsilon.data()};
 }
 
 template class SurfacePass<float>;

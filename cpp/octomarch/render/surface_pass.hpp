@@ -43,7 +43,7 @@ class SurfacePass {
   /// Collects the rays whose status is kHit or kStepLimit. `epsilon`: absolute hit epsilon of each ray.
   void gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, const kernels::Column<Real>& epsilon,
               std::size_t count);
-  /// Unit normals, and origins for rays that leave the surface; returns evaluations made.
+  /// Unit normals; returns evaluations made.
   std::uint64_t find_normals(const Shading& shading);
   /// Object ids, from the attribute program; returns evaluations made.
   std::uint64_t find_objects();
@@ -51,17 +51,20 @@ class SurfacePass {
   std::size_t count() const { return ray_.size(); }
   /// Index in the batch of surface point i.
   std::size_t ray(std::size_t i) const { return ray_[i]; }
+  /// Did the march find surface point i, or only a candidate?
+  Status status(std::size_t i) const { return status_[i]; }
   std::int32_t object(std::size_t i) const { return static_cast<std::int32_t>(object_[i]); }
   kernels::SurfaceView<Real> view();
   Real* registers() { return registers_.data(); }
 
-  VectorBuffer<Real> position, direction, normal, origin;
+  VectorBuffer<Real> position, direction, normal, facing, origin;
   Buffer<Real> epsilon;
 
  private:
   const Program& program_;
   const kernels::KernelTable<Real>& kernels_;
   std::vector<std::size_t> ray_;
+  std::vector<Status> status_;
   Buffer<Real> object_;
   Buffer<Real> registers_;
   Buffer<Real> gradient_registers_;

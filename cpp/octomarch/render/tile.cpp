@@ -110,6 +110,7 @@ void TileRenderer<Real>::render(std::size_t index, const bool& cancelled) {
   const auto shading_start = std::chrono::steady_clock::now();
   write_rays(tile);
   if (surface_) {
+    clear(tile);
     surface_->gather(batch_, columns_, epsilon_, rays_);
     if (planes_.color || planes_.normal) stats_.gradient_evaluations += surface_->find_normals(picture_.shading);
     const bool several = planes_.color && picture_.program->attributes().materials.size() > 1;
@@ -146,6 +147,19 @@ void TileRenderer<Real>::write_rays(const kernels::TileView& tile) {
   if (planes_.steps) for_each_pixel(tile, [&](auto pixel, auto ray) { planes_.steps[pixel] = batch_.steps[ray]; });
 }
 
+/// Values of pixels where no surface is; surfaces and sky overwrite them.
+template <class Real>
+void TileRenderer<Real>::clear(const kernels::TileView& tile) {
+  const Planes<Real>& p = planes_;
+  for_each_pixel(tile, [&](auto pixel, auto) {
+    if (p.color) store(p.color, pixel, Real(0), Real(0), Real(0));
+    if (p.position) store(p.position, pixel, Real(0), Real(0), Real(0));
+    if (p.normal) store(p.normal, pixel, Real(0), Real(0), Real(0));
+    if (p.object_id) p.object_id[pixel] = -1;
+    if (p.material_id) p.material_id[pixel] = -1;
+  });
+}
+
 template <class Real>
 void TileRenderer<Real>::write_surfaces(const kernels::TileView& tile) {
   const auto& p = planes_;
@@ -159,7 +173,7 @@ void TileRenderer<Real>::write_surfaces(const kernels::TileView& tile) {
       p.material_id[pixel] = picture_.program->attributes().objects[static_cast<std::size_t>(s.object(i))].material;
     }
     if (p.color) {
-      const Vec3 color = illumination_->color(i);
+      const Vec3 color = illumination_->color(s, i);
       store(p.color, pixel, static_cast<Real>(color.x), static_cast<Real>(color.y), static_cast<Real>(color.z));
     }
   }

@@ -35,6 +35,7 @@ class TileRenderer {
 
  private:
   void march(const kernels::TileView& tile, const bool& cancelled);
+  void clear(const kernels::TileView& tile);
   void write_rays(const kernels::TileView& tile);
   void write_surfaces(const kernels::TileView& tile);
   void write_sky(const kernels::TileView& tile);
