@@ -70,6 +70,7 @@ struct Counters {
 template <class Real>
 struct MarchOutput {
   Real* t;               ///< see Status; +inf for misses and invalid rays. Any alignment, exactly `count` long
+  Real* unfinished;      ///< scratch for the secant finish, `count` long; may be null without it
   std::uint8_t* status;  ///< octomarch::Status; null when not wanted
   std::int32_t* steps;   ///< evaluations of each ray; null when not wanted
 };

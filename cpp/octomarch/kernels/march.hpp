@@ -142,6 +142,7 @@ struct HitTask {
   /// Writes what became of the rays of one slot, of which those that are still live have spent their steps.
   void retire(const Block<Real>& block, std::size_t slot, std::size_t valid) const {
     alignas(kAlignment) Real results[kLanes];
+    alignas(kAlignment) Real unfinished[kLanes];
     alignas(kAlignment) Real statuses[kLanes];
     const BlockState<Real>& state = block.state;
     for (std::size_t lane = first_batch_lane<Real>(slot); lane < (slot + 1) * kPacketLanes; lane += kWidth<Real>) {
@@ -150,8 +151,9 @@ struct HitTask {
       const Mask<Real> hit = t <= t_max;  // what ended otherwise is beyond t_max, or NaN
       const Mask<Real> inside = t == T(Real(0));
       const T end = kSecantFinish ? finished(t, T::load(state.r + lane), T::load(state.carried + lane), t_max) : t;
-      const T at_surface = select(inside, t, end);
-      select(hit, at_surface, T(std::numeric_limits<Real>::infinity())).store(results + lane);
+      const T nowhere = std::numeric_limits<Real>::infinity();
+      select(hit, select(inside, t, end), nowhere).store(results + lane);
+      if constexpr (kSecantFinish) select(hit, t, nowhere).store(unfinished + lane);
       T status = select(t > t_max, T(kMiss), T(kInvalid));
       status = select(hit, T(kHit), status);
       select(inside, T(kInside), status).store(statuses + lane);
@@ -160,10 +162,11 @@ struct HitTask {
     const std::uint64_t spent = block.live >> lane & 0xFFU;
     for (std::size_t i = 0; spent != 0 && i < kPacketLanes; ++i) {
       if ((spent >> i & 1U) == 0) continue;
-      results[lane + i] = state.t[lane + i];
+      results[lane + i] = unfinished[lane + i] = state.t[lane + i];
       statuses[lane + i] = kStepLimit;
     }
     copy_packet(out.t + block.first_ray[slot], results + lane, valid);
+    if constexpr (kSecantFinish) copy_packet(out.unfinished + block.first_ray[slot], unfinished + lane, valid);
     if (out.status == nullptr) return;
     std::uint8_t codes[kPacketLanes];
     for (std::size_t i = 0; i < kPacketLanes; ++i) codes[i] = static_cast<std::uint8_t>(statuses[lane + i]);
@@ -373,12 +376,63 @@ class Marcher {
   std::size_t next_ray_ = 0;
 };
 
+/// Takes back what the secant finish got wrong: where the field at a finished t is beyond the hit epsilon, a ray that
+/// only passes near an edge was sent past it, and the sample before stands. One evaluation for each finished ray.
+template <class Real>
+void check_finish(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays,
+                  const MarchParameters<Real>& parameters, const MarchOutput<Real>& out, Counters& counters) {
+  using T = Lanes<Real>;
+  alignas(kAlignment) Real t[kLanes];
+  alignas(kAlignment) Real unfinished[kLanes];
+  alignas(kAlignment) Real epsilon[kLanes];
+  alignas(kAlignment) Real origin[kLanes];
+  alignas(kAlignment) Real direction[kLanes];
+  const Column<Real>* const origins[] = {&rays.ox, &rays.oy, &rays.oz};
+  const Column<Real>* const directions[] = {&rays.dx, &rays.dy, &rays.dz};
+  for (std::size_t first = 0; first < rays.count; first += kLanes) {
+    if (__atomic_load_n(parameters.cancelled, __ATOMIC_RELAXED)) return;
+    const std::size_t left = rays.count - first;
+    const std::size_t lanes = left < kLanes ? left : kLanes;
+    const std::size_t count = batches<Real>(lanes);
+    const auto copy = [&](Real* row, const Column<Real>& column) {
+      for (std::size_t i = 0; i < lanes; ++i) row[i] = column.values == nullptr ? column.value : column.values[first + i];
+      for (std::size_t i = lanes; i < kLanes; ++i) row[i] = 0;
+    };
+    copy(t, {out.t, 0});
+    copy(unfinished, {out.unfinished, 0});
+    std::uint64_t changed = 0;
+    for_each_batch<Real>(count, [&](std::size_t lane) {
+      changed |= (!(T::load(t + lane) == T::load(unfinished + lane))).bits() << lane;
+    });
+    if (changed == 0) continue;
+    copy(epsilon, rays.epsilon);
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      copy(origin, *origins[axis]);
+      copy(direction, *directions[axis]);
+      for_each_batch<Real>(count, [&](std::size_t lane) {
+        (T::load(origin + lane) + T::load(t + lane) * T::load(direction + lane)).store(registers + axis * kLanes + lane);
+      });
+    }
+    const Real* const field = evaluate(tape, registers, count);
+    counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(changed));
+    counters.lane_slots += count * kWidth<Real>;
+    for_each_batch<Real>(count, [&](std::size_t lane) {
+      const T end = T::load(t + lane);
+      const T r = T::load(field + lane) * T(parameters.step_scale);
+      const Mask<Real> kept = abs(r) <= max(T::load(epsilon + lane), T(parameters.epsilon_slope) * end);
+      select(kept, end, T::load(unfinished + lane)).store(t + lane);
+    });
+    for (std::size_t i = 0; i < lanes; ++i) out.t[first + i] = t[i];
+  }
+}
+
 template <class Real>
 void march(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays,
            const MarchParameters<Real>& parameters, const MarchOutput<Real>& out, Counters& counters) {
   if (parameters.secant_finish) {
     using Task = HitTask<Real, true>;
     Marcher<Real, Task>(tape, registers, rays, parameters, Task{out}, counters).run();
+    check_finish(tape, registers, rays, parameters, out, counters);
   } else {
     using Task = HitTask<Real, false>;
     Marcher<Real, Task>(tape, registers, rays, parameters, Task{out}, counters).run();

@@ -165,7 +165,8 @@ void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Re
       }
       const Real* field = evaluate(tape, registers, n);
       for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-        const T lacking = max(T(height) - T::load(field + lane), T(Real(0)));
+        // a sample inside a solid lacks all of its height, no more
+        const T lacking = min(max(T(height) - T::load(field + lane), T(Real(0))), T(height));
         (T::load(missing + lane) + T(weight) * lacking).store(missing + lane);
       }
     }

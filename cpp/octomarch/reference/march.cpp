@@ -32,6 +32,14 @@ Vector<T> central_differences(Evaluator<T>& field, const Vector<T>& p, T step) {
   return difference;
 }
 
+/// The end of the secant step, where the field there is a hit too; else t, for the ray only grazes an edge.
+template <class T>
+T finished(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, T t, T previous, T radius) {
+  const T end = std::min(t + secant_step(previous, radius), limits.t_max);
+  const T left = field.distance(ray.origin + ray.direction * end) / limits.lipschitz;
+  return std::abs(left) <= limits.hit_epsilon(ray, end) ? end : t;
+}
+
 }  // namespace
 
 template <class T>
@@ -51,8 +59,7 @@ Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T
     if (std::isnan(radius)) return {Status::kInvalid, kNowhere, steps};
     if (radius <= limits.hit_epsilon(ray, t)) {
       if (t == T(0)) return {Status::kInside, T(0), steps};
-      const T step = limits.secant_finish ? secant_step(previous, radius) : T(0);
-      return {Status::kHit, std::min(t + step, limits.t_max), steps};
+      return {Status::kHit, limits.secant_finish ? finished(field, ray, limits, t, previous, radius) : t, steps};
     }
     t += radius;
     if (t > limits.t_max) return {Status::kMiss, kNowhere, steps};

@@ -80,7 +80,7 @@ T Shader<T>::ambient_occlusion(const Vector<T>& origin, const Vector<T>& normal)
   for (int i = 1; i <= shading_.occlusion; ++i) {
     const T height = T(shading_.occlusion_distance) * T(i) / T(shading_.occlusion);
     const T weight = std::ldexp(T(1), -i);
-    missing += weight * positive(height - field_.distance(origin + normal * height));
+    missing += weight * std::min(positive(height - field_.distance(origin + normal * height)), height);
     expected += weight * height;
   }
   return expected > T(0) ? T(1) - std::clamp(missing / expected, T(0), T(1)) : T(1);

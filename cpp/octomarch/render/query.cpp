@@ -175,7 +175,7 @@ void query_rays(const Program& program, const double* origins, const double* dir
                                       columns.dz, column(s.t_max), column(s.epsilon), n};
     const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / program.lipschitz()), kUlpFloor<Real>,
                                                     march.max_steps, march.secant_finish, &cancelled};
-    const kernels::MarchOutput<Real> found{s.batch.t.data(), s.batch.status.data(),
+    const kernels::MarchOutput<Real> found{s.batch.t.data(), s.batch.unfinished.data(), s.batch.status.data(),
                                            out.steps ? out.steps + first : nullptr};
     kernels::Counters counters;
     kernels.march(view<Real>(program.distance()), s.surface.registers(), rays, parameters, found, counters);

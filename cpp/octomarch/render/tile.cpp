@@ -134,7 +134,7 @@ void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancel
                                                   columns_.epsilon_slope, picture_.march.max_steps,
                                                   picture_.march.secant_finish, &cancelled};
   const bool needs_status = planes_.status || surface_ || planes_.color;
-  const kernels::MarchOutput<Real> out{batch_.t.data(), needs_status ? batch_.status.data() : nullptr,
+  const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.unfinished.data(), needs_status ? batch_.status.data() : nullptr,
                                        planes_.steps ? batch_.steps.data() : nullptr};
   kernels_.march(octomarch::view<Real>(picture_.program->distance()), registers_.data(), rays, parameters, out,
                  stats_.primary);
