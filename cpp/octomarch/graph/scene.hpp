@@ -64,7 +64,7 @@ struct March {
   double epsilon = 1e-4;         ///< absolute, scene units, ≥ 0
   double pixel_tolerance = 0.1;  ///< in pixel radii, ≥ 0
   double max_distance = 1e3;     ///< farthest t, > 0
-  bool secant_finish = true;     ///< refine a hit by the secant through the last two samples, where that end is a hit too
+  bool secant_finish = true;     ///< refine a hit by the secant through the last two samples, unless it leaves eps/16
 };
 
 enum class Normals : std::uint8_t { kExact, kCentral };

@@ -154,8 +154,8 @@ struct KernelTable {
                              std::size_t count, Real step, const Vectors<Real>& out);
   /// Gradients in surface.normal become unit normals, −direction where there is none.
   void (*normalize)(const SurfaceView<Real>&);
-  /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, at an edge whose tolerance a ray
-  /// has grazed, is turned until it is square to the ray.
+  /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, where a ray grazes an edge
+  /// within the hit epsilon, is turned until it is square to the ray.
   void (*face_rays)(const SurfaceView<Real>&);
   /// Ambient visibility from `samples` points along the normal, up to `distance` away.
   void (*occlusion)(const TapeView<Real>&, Real* registers, const SurfaceView<Real>&, int samples, Real distance,

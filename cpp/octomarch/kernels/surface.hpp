@@ -142,6 +142,7 @@ void face_rays(const SurfaceView<Real>& surface) {
   }
 }
 
+/// Heights grow with the square of the sample's number: near contact the first samples decide, and there they are dense.
 template <class Real>
 void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Real>& surface, int samples,
                Real distance, Real* out) {
@@ -154,7 +155,8 @@ void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Re
     Real expected = 0;
     for (int sample = 1; sample <= samples; ++sample) {
       weight *= Real(0.5);
-      const Real height = distance * Real(sample) / Real(samples);
+      const Real share = Real(sample) / Real(samples);
+      const Real height = distance * share * share;
       expected += weight * height;
       for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
         const std::size_t i = first + lane;
@@ -171,8 +173,8 @@ void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Re
       }
     }
     for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-      const T share = min(T::load(missing + lane) / T(expected), T(Real(1)));
-      (T(Real(1)) - share).store(out + first + lane);
+      const T occluded = min(T::load(missing + lane) / T(expected), T(Real(1)));
+      (T(Real(1)) - occluded).store(out + first + lane);
     }
   }
 }

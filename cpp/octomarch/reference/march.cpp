@@ -32,12 +32,12 @@ Vector<T> central_differences(Evaluator<T>& field, const Vector<T>& p, T step) {
   return difference;
 }
 
-/// The end of the secant step, where the field there is a hit too; else t, for the ray only grazes an edge.
+/// The end of the secant step, where it has all but closed the gap; else t, for the ray only grazes an edge.
 template <class T>
 T finished(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, T t, T previous, T radius) {
   const T end = std::min(t + secant_step(previous, radius), limits.t_max);
   const T left = field.distance(ray.origin + ray.direction * end) / limits.lipschitz;
-  return std::abs(left) <= limits.hit_epsilon(ray, end) ? end : t;
+  return std::abs(left) <= limits.hit_epsilon(ray, end) / T(16) ? end : t;
 }
 
 }  // namespace

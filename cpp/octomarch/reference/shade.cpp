@@ -12,7 +12,7 @@ T positive(T x) {
   return std::max(x, T(0));
 }
 
-/// The normal to shade with: one that faces away, at an edge whose tolerance a ray has grazed, is turned to the side.
+/// The normal to shade with: one that faces away, where a ray grazes an edge within tolerance, is turned to the side.
 template <class T>
 Vector<T> facing_normal(const Vector<T>& normal, const Vector<T>& direction) {
   const T away = glm::dot(normal, direction);
@@ -78,7 +78,8 @@ T Shader<T>::ambient_occlusion(const Vector<T>& origin, const Vector<T>& normal)
   T missing = T(0);
   T expected = T(0);
   for (int i = 1; i <= shading_.occlusion; ++i) {
-    const T height = T(shading_.occlusion_distance) * T(i) / T(shading_.occlusion);
+    const T share = T(i) / T(shading_.occlusion);
+    const T height = T(shading_.occlusion_distance) * share * share;
     const T weight = std::ldexp(T(1), -i);
     missing += weight * std::min(positive(height - field_.distance(origin + normal * height)), height);
     expected += weight * height;
