@@ -4,6 +4,7 @@ import os
 import platform
 import re
 import subprocess
+import time
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
@@ -36,6 +37,24 @@ def processor() -> dict[str, Any]:
     }
 
 
+def busy_processors(seconds: float = 1.0) -> float | None:
+    """Return how many processors other work keeps busy: a benchmark wants 0. None where /proc/stat does not tell."""
+    try:
+        before = _ticks()
+        time.sleep(seconds)
+        after = _ticks()
+    except (OSError, ValueError):
+        return None
+    idle, total = (late - early for early, late in zip(before, after, strict=True))
+    return round((1.0 - idle / max(total, 1)) * (os.cpu_count() or 1), 2)
+
+
+def _ticks() -> tuple[int, int]:
+    """Return idle ticks (waiting for input and output included) and all ticks since the machine started."""
+    ticks = [int(text) for text in Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:]]
+    return ticks[3] + ticks[4], sum(ticks)
+
+
 def commit() -> str | None:
     """Return the commit of this checkout, with a + when the library's sources were changed since; None without git."""
     root = Path(__file__).resolve().parent.parent
@@ -53,7 +72,7 @@ def describe(module: Any) -> dict[str, Any]:
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": commit(),
         "processor": processor(),
-        "load_average_before": list(os.getloadavg()),
+        "busy_processors_before": busy_processors(),
         "system": f"{platform.system()} {platform.release()}, {' '.join(platform.libc_ver())}",
         "python": platform.python_version(),
         "numpy": np.__version__,

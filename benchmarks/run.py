@@ -24,6 +24,7 @@ from timing import measure
 
 HERE = Path(__file__).resolve().parent
 MODULE = "octomarch_bench"
+QUIET = 0.1  # processors that other work may keep busy
 
 
 def arguments() -> argparse.Namespace:
@@ -81,6 +82,8 @@ def main() -> None:
     chosen = arguments()
     module = load(chosen.module or build(chosen.build_dir))
     description = machine.describe(module)
+    if (busy := description["busy_processors_before"]) and busy > QUIET:
+        print(f"Other work keeps {busy} processors busy: these figures will not be worth keeping.", file=sys.stderr)
     isas = runnable(module, chosen.isas)
     rows: list[report.Row] = []
     verdicts: list[report.Verdict] = []
@@ -97,7 +100,7 @@ def main() -> None:
         rows += report.rows(scene, field, times, outcomes)
         verdicts += report.verdicts(scene, isas, times)
         milliseconds[name] = {key: asdict(value) for key, value in times.items()}
-    description["load_average_after"] = list(os.getloadavg())
+    description["busy_processors_after"] = machine.busy_processors()
     settings = {
         "size": SIZE,
         "max_steps": MAX_STEPS,
