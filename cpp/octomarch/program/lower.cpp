@@ -1,5 +1,6 @@
 #include "octomarch/program/lower.hpp"
 
+#include <limits>
 #include <map>
 #include <unordered_map>
 #include <utility>
@@ -10,6 +11,9 @@
 namespace octomarch {
 
 namespace {
+
+/// A blend takes k/4 at the most. Below this k that is nothing beside any distance, and 1/(4k) no number in float.
+constexpr double kNarrowestBlend = std::numeric_limits<float>::min();
 
 /// What a node has become: its distance, and for attributes the id of the primitive that shows there.
 struct Result {
@@ -138,7 +142,7 @@ class Lowering {
     const Operators operators = operators_of(node.kind());
     const double k = node.kind() == NodeKind::kRepeat ? 0.0 : node.parameter(0) * placement.scale;
     Result result;
-    if (k > 0.0) {
+    if (k >= kNarrowestBlend) {
       result.distance = flow_.emit(operators.smooth, {{a.distance, b.distance}}, {{k, 0.25 / k}});
     } else {
       result.distance = flow_.emit(operators.hard, {{a.distance, b.distance}});

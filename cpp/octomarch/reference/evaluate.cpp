@@ -51,7 +51,7 @@ Sample<T> minimum(const Sample<T>& a, const Sample<T>& b, T k) {
                    a_smaller ? a.material : b.material};
   const T overlap = k - std::abs(a.value - b.value);
   if (overlap > T(0)) {
-    result.value -= overlap * overlap / (T(4) * k);
+    result.value -= overlap / (T(4) * k) * overlap;
     const T share = overlap / (T(2) * k);  // of the larger operand
     result.gradient = a_smaller ? glm::mix(a.gradient, b.gradient, share) : glm::mix(b.gradient, a.gradient, share);
   }
