@@ -104,7 +104,7 @@ def test_occlusion_is_nothing_on_a_floor_and_as_computed_beside_a_wall():
         color = shade((FLOOR | wall).paint(DULL), ambient=1.0, occlusion=4, occlusion_distance=0.8)
         return float(color[2, 2, 0] / DULL.color[0])
 
-    heights, weights = 0.2 * np.arange(1, 5), 0.5 ** np.arange(1, 5)
+    heights, weights = 0.8 * (np.arange(1, 5) / 4) ** 2, 0.5 ** np.arange(1, 5)
     missing = np.maximum(heights - np.minimum(heights, 0.3), 0)
     expected = 1 - (weights * missing).sum() / (weights * heights).sum()
     assert_allclose([ambient_light(5), ambient_light(0.3)], [1, expected], rtol=1e-4)

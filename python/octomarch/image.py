@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, Never
 
@@ -70,7 +70,6 @@ class Image:
     """(width, height)."""
     stats: dict[str, Any]
     """Rays, evaluations, packets, occupancy, seconds per stage."""
-    metadata: dict[str, Any]
     """Scene, camera, settings and version that made the picture."""
 
     def __init__(
@@ -78,7 +77,7 @@ class Image:
         planes: Mapping[PlaneName, NDArray[Any]],
         *,
         stats: Mapping[str, Any] | None = None,
-        metadata: Mapping[str, Any] | None = None,
+        metadata: Mapping[str, Any] | Callable[[], Mapping[str, Any]] | None = None,
     ) -> None:
         arrays = {name: _plane(name, planes[name]) for name in check.planes(list(planes), tuple(PLANES))}
         extents = {array.shape[:2] for array in arrays.values()}
@@ -88,9 +87,17 @@ class Image:
         self.size = (int(width), int(height))
         self.planes = tuple(arrays)
         self.stats = dict(stats or {})
-        self.metadata = dict(metadata or {})
+        self._metadata = metadata
         for name, array in arrays.items():
             setattr(self, name, array)
+
+    @property
+    def metadata(self) -> dict[str, Any]:
+        """How to make the picture again, as plain data: scene, camera, settings. Described when first asked for."""
+        if not isinstance(self._metadata, dict):
+            described = self._metadata() if callable(self._metadata) else self._metadata
+            self._metadata = dict(described or {})
+        return self._metadata
 
     def __getattr__(self, name: str) -> Never:
         if name in PLANES:

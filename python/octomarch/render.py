@@ -116,14 +116,18 @@ def render(
             report,
         )
     settings = {"size": (width, height), "planes": names, "precision": options[0]}
-    metadata = {
-        "scene": _description(scene, program),
-        "camera": _fields(camera),
-        "march": _fields(march),
-        "shading": _fields(shading),
-        "render": settings,
-    }
-    return Image({name: arrays[name] for name in PLANES if name in names}, stats=stats, metadata=metadata)
+    planes_in_order = {name: arrays[name] for name in PLANES if name in names}
+    return Image(
+        planes_in_order,
+        stats=stats,
+        metadata=lambda: {
+            "scene": _description(scene, program),
+            "camera": _fields(camera),
+            "march": _fields(march),
+            "shading": _fields(shading),
+            "render": settings,
+        },
+    )
 
 
 def lit_by_default(shape: Shape, camera: AnyCamera) -> Scene:

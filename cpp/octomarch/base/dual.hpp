@@ -15,8 +15,12 @@ struct Dual {
   T dy;
   T dz;
 
-  friend Dual operator+(const Dual& a, const Dual& b) { return {a.value + b.value, a.dx + b.dx, a.dy + b.dy, a.dz + b.dz}; }
-  friend Dual operator-(const Dual& a, const Dual& b) { return {a.value - b.value, a.dx - b.dx, a.dy - b.dy, a.dz - b.dz}; }
+  friend Dual operator+(const Dual& a, const Dual& b) {
+    return {a.value + b.value, a.dx + b.dx, a.dy + b.dy, a.dz + b.dz};
+  }
+  friend Dual operator-(const Dual& a, const Dual& b) {
+    return {a.value - b.value, a.dx - b.dx, a.dy - b.dy, a.dz - b.dz};
+  }
   friend Dual operator*(const Dual& a, const Dual& b) {
     return {a.value * b.value, a.value * b.dx + b.value * a.dx, a.value * b.dy + b.value * a.dy,
             a.value * b.dz + b.value * a.dz};

@@ -29,8 +29,7 @@ Planes<Real> planes_named(const std::vector<std::string>& names, Results& result
     else if (name == "material_id") planes.material_id = results.scalars<std::int32_t>("material_id").data();
     else if (name == "steps") planes.steps = results.scalars<std::int32_t>("steps").data();
     else if (name == "status") planes.status = results.scalars<std::uint8_t>("status").data();
-    else
-      require(false, "planes", "among color, depth, position, normal, object_id, material_id, steps, status", name);
+    else require(false, "planes", "among color, depth, position, normal, object_id, material_id, steps, status", name);
   }
   return planes;
 }

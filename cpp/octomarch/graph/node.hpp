@@ -28,8 +28,8 @@ enum class NodeKind : std::uint8_t {
   kTranslate,       ///< offset (3); one child: value at p − offset.
   kRotate,          ///< parent_from_child rotation, row-major (9); one child: value at Rᵀp.
   kScale,           ///< factor > 0; one child: factor · value at p / factor.
-  kRepeat,          ///< period (3; 0 = not repeated on that axis), count (3; 0 = endless); one child. See repeat_cell().
-  kPaint,           ///< colour (3), roughness, specular, metallic; one child. The innermost paint wins.
+  kRepeat,  ///< period (3; 0 = not repeated on that axis), count (3; 0 = endless); one child. See repeat_cell().
+  kPaint,   ///< colour (3), roughness, specular, metallic; one child. The innermost paint wins.
 };
 
 class Node;

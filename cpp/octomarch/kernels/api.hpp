@@ -62,9 +62,9 @@ struct MarchParameters {
 
 /// Work done, for image.stats: exact counts.
 struct Counters {
-  std::uint64_t evaluations = 0;       ///< of the field, at live lanes
-  std::uint64_t lane_slots = 0;        ///< lanes that were computed for them, live or not
-  std::uint64_t packets = 0;           ///< packets that were loaded
+  std::uint64_t evaluations = 0;  ///< of the field, at live lanes
+  std::uint64_t lane_slots = 0;   ///< lanes that were computed for them, live or not
+  std::uint64_t packets = 0;      ///< packets that were loaded
 };
 
 template <class Real>
@@ -87,9 +87,9 @@ struct CameraView {
 /// A rectangle of pixels, in packets of kPacketWidth × kPacketHeight, row by row: ray (packet·8 + lane) is pixel
 /// (x + lane % 4, y + lane / 4) of its packet. Rays of pixels outside width × height are NaN.
 struct TileView {
-  std::uint32_t x, y;                     ///< first pixel
+  std::uint32_t x, y;  ///< first pixel
   std::uint32_t packets_across, packets_down;
-  std::uint32_t width, height;            ///< of the picture
+  std::uint32_t width, height;  ///< of the picture
 };
 
 /// Surface points to be shaded, with what the kernels fill in.

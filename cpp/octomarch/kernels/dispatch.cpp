@@ -8,10 +8,10 @@
 
 namespace octomarch::kernels {
 
-#define OCTOMARCH_DECLARE_ISA(isa)            \
-  namespace isa {                             \
-  extern const KernelTable<float> kTable32;   \
-  extern const KernelTable<double> kTable64;  \
+#define OCTOMARCH_DECLARE_ISA(isa)           \
+  namespace isa {                            \
+  extern const KernelTable<float> kTable32;  \
+  extern const KernelTable<double> kTable64; \
   }
 OCTOMARCH_DECLARE_ISA(scalar)
 OCTOMARCH_DECLARE_ISA(sse2)
@@ -25,8 +25,8 @@ namespace {
 std::vector<Isa> detect() {
   std::vector<Isa> isas;
 #if defined(OCTOMARCH_HAVE_AVX2) || defined(OCTOMARCH_HAVE_AVX512)
-  const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2") &&
-                    __builtin_cpu_supports("popcnt");
+  const bool has_avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("bmi") &&
+                        __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("popcnt");
 #endif
 #ifdef OCTOMARCH_HAVE_AVX512
   if (has_avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512cd") &&

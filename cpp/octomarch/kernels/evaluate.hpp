@@ -46,7 +46,8 @@ template <class Real>
 using Handler = void (*)(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count);
 
 template <template <class> class Op, class T, class Real, std::size_t Inputs, std::size_t Outputs>
-[[gnu::flatten]] void execute(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count) {
+[[gnu::flatten]] void execute(const Instruction& instruction, const Real* constants, Real* registers,
+                              std::size_t count) {
   using Layout = RegisterLayout<T>;
   constexpr std::size_t kRegister = Layout::kComponents * kLanes;
   const Op<Lanes<Real>> op(constants);

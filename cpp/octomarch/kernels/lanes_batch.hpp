@@ -2,6 +2,7 @@
 #pragma once
 
 #include <type_traits>
+
 #include <xsimd/xsimd.hpp>
 
 namespace octomarch::kernels::OCTOMARCH_ISA {

@@ -37,8 +37,8 @@ template <class Real>
 struct Block {
   BlockState<Real> state{};
   std::size_t first_ray[kPackets] = {};
-  std::int64_t start[kPackets] = {};  ///< value of `step` at which each packet came
-  std::int64_t step = 0;              ///< steps made so far
+  std::int64_t start[kPackets] = {};                                 ///< value of `step` at which each packet came
+  std::int64_t step = 0;                                             ///< steps made so far
   std::int64_t deadline = std::numeric_limits<std::int64_t>::max();  ///< value of `step` at which a packet is spent
   std::uint64_t live = 0;                                            ///< rays that go on; bit = lane
   std::size_t slots = 0;                                             ///< packets held, in the first slots
@@ -66,8 +66,8 @@ struct Block {
     set_live(slot, moved);
     first_ray[slot] = first_ray[slots];
     start[slot] = start[slots];
-    Real* const rows[] = {state.ox, state.oy, state.oz, state.dx, state.dy, state.dz,
-                          state.t, state.t_max, state.epsilon, state.r, state.carried};
+    Real* const rows[] = {state.ox, state.oy,    state.oz,      state.dx, state.dy,     state.dz,
+                          state.t,  state.t_max, state.epsilon, state.r,  state.carried};
     for (Real* row : rows) {
       __builtin_memcpy(row + slot * kPacketLanes, row + slots * kPacketLanes, kPacketLanes * sizeof(Real));
     }
@@ -93,7 +93,8 @@ void load_packet(Real* row, std::size_t slot, const Column<Real>& column, std::s
   if (valid == kPacketLanes) {
     put_packet(row, slot, from);
   } else {
-    for (std::size_t lane = 0; lane < kPacketLanes; ++lane) row[slot * kPacketLanes + lane] = from[lane < valid ? lane : 0];
+    for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
+      row[slot * kPacketLanes + lane] = from[lane < valid ? lane : 0];
   }
 }
 
@@ -207,7 +208,8 @@ struct ShadowTask {
     Real* const out = visibility + block.first_ray[slot];
     const std::size_t lane = slot * kPacketLanes;
     for (std::size_t i = 0; i < valid; ++i) {
-      const bool blocked = block.state.t[lane + i] <= block.state.t_max[lane + i] && (block.live >> (lane + i) & 1U) == 0;
+      const bool blocked =
+          block.state.t[lane + i] <= block.state.t_max[lane + i] && (block.live >> (lane + i) & 1U) == 0;
       const Real passed = block.state.carried[lane + i];
       out[i] = blocked || passed < Real(0) ? Real(0) : passed;
     }
@@ -261,19 +263,34 @@ class Marcher {
     block.live = live;
   }
 
-  /// Coordinates of every lane's sample point into registers 0, 1, 2.
+  /// Coordinates of every lane's sample point into registers 0, 1, 2. Where all rays start at one point, as a camera's
+  /// do, that is no row to read.
   [[gnu::flatten]] void place_points(const BlockState<Real>& state, std::size_t count) {
     Real* const registers = registers_;
-    for_each_batch<Real>(count, [&](std::size_t lane) {
-      const T t = T::load(state.t + lane);
-      (T::load(state.ox + lane) + t * T::load(state.dx + lane)).store(registers + lane);
-      (T::load(state.oy + lane) + t * T::load(state.dy + lane)).store(registers + kLanes + lane);
-      (T::load(state.oz + lane) + t * T::load(state.dz + lane)).store(registers + 2 * kLanes + lane);
-    });
+    const auto place = [&](const auto& ox, const auto& oy, const auto& oz) {
+      for_each_batch<Real>(count, [&](std::size_t lane) {
+        const T t = T::load(state.t + lane);
+        (ox(lane) + t * T::load(state.dx + lane)).store(registers + lane);
+        (oy(lane) + t * T::load(state.dy + lane)).store(registers + kLanes + lane);
+        (oz(lane) + t * T::load(state.dz + lane)).store(registers + 2 * kLanes + lane);
+      });
+    };
+    if (one_origin_) {
+      place(Same(rays_.ox.value), Same(rays_.oy.value), Same(rays_.oz.value));
+    } else {
+      place(Row(state.ox), Row(state.oy), Row(state.oz));
+    }
   }
 
   /// Moves t along by the field; returns which rays go on.
-  [[gnu::flatten]] std::uint64_t step_rays(BlockState<Real>& state, const Real* field, std::size_t count) {
+  std::uint64_t step_rays(BlockState<Real>& state, const Real* field, std::size_t count) {
+    if (one_limit_) return step_rays(state, field, count, Same(rays_.t_max.value), Same(rays_.epsilon.value));
+    return step_rays(state, field, count, Row(state.t_max), Row(state.epsilon));
+  }
+
+  template <class Column>
+  [[gnu::flatten]] std::uint64_t step_rays(BlockState<Real>& state, const Real* field, std::size_t count,
+                                           const Column& t_max, const Column& epsilon) {
     const T step_scale = parameters_.step_scale;
     const T slope = parameters_.epsilon_slope;
     const Task task = task_;
@@ -281,13 +298,12 @@ class Marcher {
     for_each_batch<Real>(count, [&](std::size_t lane) {
       const T t = T::load(state.t + lane);
       const T r = T::load(field + lane) * step_scale;
-      const T t_max = T::load(state.t_max + lane);
       // not "r > epsilon": a NaN field has to move t, and make it NaN
-      const Mask<Real> goes_on = (t <= t_max) & !(r <= max(T::load(state.epsilon + lane), slope * t));
+      const Mask<Real> goes_on = (t <= t_max(lane)) & !(r <= max(epsilon(lane), slope * t));
       const T next = select(goes_on, t + r, t);
       task.observe(state, lane, t, r, goes_on);
       next.store(state.t + lane);
-      live |= (goes_on & (next <= t_max)).bits() << lane;
+      live |= (goes_on & (next <= t_max(lane))).bits() << lane;
     });
     return live;
   }
@@ -296,7 +312,8 @@ class Marcher {
     for (; ended != 0; ended &= ended - 1) {
       const auto lane = static_cast<std::size_t>(__builtin_ctzll(ended));
       const std::size_t slot = lane / kPacketLanes;
-      task_.steps()[block.first_ray[slot] + lane % kPacketLanes] = static_cast<std::int32_t>(block.step - block.start[slot]);
+      task_.steps()[block.first_ray[slot] + lane % kPacketLanes] =
+          static_cast<std::int32_t>(block.step - block.start[slot]);
     }
   }
 
@@ -343,7 +360,8 @@ class Marcher {
     load_packet(state.t_max, slot, rays_.t_max, first, valid);
     load_packet(state.epsilon, slot, rays_.epsilon, first, valid);
     block.set_live(slot, start_packet(state, slot) & 0xFFU >> (kPacketLanes - valid));
-    for (std::size_t i = valid; i < kPacketLanes; ++i) state.t[slot * kPacketLanes + i] = std::numeric_limits<Real>::quiet_NaN();
+    for (std::size_t i = valid; i < kPacketLanes; ++i)
+      state.t[slot * kPacketLanes + i] = std::numeric_limits<Real>::quiet_NaN();
     if (task_.steps() != nullptr) {
       for (std::size_t i = 0; i < valid; ++i) task_.steps()[first + i] = 0;
     }
@@ -367,12 +385,26 @@ class Marcher {
     return bits >> (slot * kPacketLanes - begin) & 0xFFU;
   }
 
+  /// One value for all lanes, or a row of the block's state, read alike.
+  struct Same {
+    T value;
+    explicit Same(Real v) : value(v) {}
+    T operator()(std::size_t /*lane*/) const { return value; }
+  };
+  struct Row {
+    const Real* row;
+    explicit Row(const Real* r) : row(r) {}
+    T operator()(std::size_t lane) const { return T::load(row + lane); }
+  };
+
   const TapeView<Real> tape_;
   Real* const registers_;
   const RayView<Real> rays_;
   const MarchParameters<Real> parameters_;
   const Task task_;
   Counters& counters_;
+  const bool one_origin_ = rays_.ox.values == nullptr && rays_.oy.values == nullptr && rays_.oz.values == nullptr;
+  const bool one_limit_ = rays_.t_max.values == nullptr && rays_.epsilon.values == nullptr;
   std::size_t next_ray_ = 0;
 };
 
@@ -396,7 +428,8 @@ void check_finish(const TapeView<Real>& tape, Real* registers, const RayView<Rea
     const std::size_t lanes = left < kLanes ? left : kLanes;
     const std::size_t count = batches<Real>(lanes);
     const auto copy = [&](Real* row, const Column<Real>& column) {
-      for (std::size_t i = 0; i < lanes; ++i) row[i] = column.values == nullptr ? column.value : column.values[first + i];
+      for (std::size_t i = 0; i < lanes; ++i)
+        row[i] = column.values == nullptr ? column.value : column.values[first + i];
       for (std::size_t i = lanes; i < kLanes; ++i) row[i] = 0;
     };
     copy(t, {out.t, 0});
@@ -411,7 +444,8 @@ void check_finish(const TapeView<Real>& tape, Real* registers, const RayView<Rea
       copy(origin, *origins[axis]);
       copy(direction, *directions[axis]);
       for_each_batch<Real>(count, [&](std::size_t lane) {
-        (T::load(origin + lane) + T::load(t + lane) * T::load(direction + lane)).store(registers + axis * kLanes + lane);
+        (T::load(origin + lane) + T::load(t + lane) * T::load(direction + lane))
+            .store(registers + axis * kLanes + lane);
       });
     }
     const Real* const field = evaluate(tape, registers, count);

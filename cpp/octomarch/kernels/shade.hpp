@@ -2,8 +2,8 @@
 // point, and its Lambert and Phong terms (B. T. Phong, "Illumination for computer generated pictures", CACM 18(6), 1975).
 #pragma once
 
-#include "octomarch/kernels/lanes.hpp"
 #include "octomarch/kernels/api.hpp"
+#include "octomarch/kernels/lanes.hpp"
 #include "octomarch/ops/math.hpp"
 
 namespace octomarch::kernels::OCTOMARCH_ISA {

@@ -82,7 +82,8 @@ void central_difference(const TapeView<Real>& tape, Real* registers, const Vecto
     };
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const Real* field = sample(axis, T(step));
-      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) T::load(field + lane).store(ahead + lane);
+      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>)
+        T::load(field + lane).store(ahead + lane);
       field = sample(axis, T(-step));
       for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
         (T::load(ahead + lane) - T::load(field + lane)).store(results[axis] + first + lane);

@@ -61,7 +61,8 @@ struct Blend {
 
   template <class T>
   T operator()(const T& gap) const {
-    return square(max(k - abs(gap), zero)) * quarter_inverse;
+    const T overlap = max(k - abs(gap), zero);
+    return overlap * (overlap * quarter_inverse);  // its square alone would overflow for k beyond 1e19
   }
 };
 

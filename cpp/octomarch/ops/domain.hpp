@@ -11,7 +11,8 @@ struct Rotate {
   C m[12];
   template <class Real>
   explicit Rotate(const Real* p)
-      : m{C(p[0]), C(p[1]), C(p[2]), C(p[3]), C(p[4]), C(p[5]), C(p[6]), C(p[7]), C(p[8]), C(p[9]), C(p[10]), C(p[11])} {}
+      : m{C(p[0]), C(p[1]), C(p[2]), C(p[3]), C(p[4]),  C(p[5]),
+          C(p[6]), C(p[7]), C(p[8]), C(p[9]), C(p[10]), C(p[11])} {}
 
   template <class T>
   Triple<T> operator()(const T& x, const T& y, const T& z) const {

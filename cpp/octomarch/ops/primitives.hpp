@@ -146,7 +146,16 @@ struct Capsule {
   C ax, ay, az, ex, ey, ez, inverse, radius, zero, one;
   template <class Real>
   explicit Capsule(const Real* p)
-      : ax(p[0]), ay(p[1]), az(p[2]), ex(p[3]), ey(p[4]), ez(p[5]), inverse(p[6]), radius(p[7]), zero(Real(0)), one(Real(1)) {}
+      : ax(p[0]),
+        ay(p[1]),
+        az(p[2]),
+        ex(p[3]),
+        ey(p[4]),
+        ez(p[5]),
+        inverse(p[6]),
+        radius(p[7]),
+        zero(Real(0)),
+        one(Real(1)) {}
 
   template <class T>
   T operator()(const T& x, const T& y, const T& z) const {

@@ -72,7 +72,8 @@ class RegisterFile {
       free_.pop();
       return lowest;
     }
-    if (count_ == kMaxRegisters) throw SceneError("shape needs more than 65535 registers: too many values live at once");
+    if (count_ == kMaxRegisters)
+      throw SceneError("shape needs more than 65535 registers: too many values live at once");
     return static_cast<std::uint16_t>(count_++);
   }
   void release(std::uint16_t index) { free_.push(index); }
@@ -113,8 +114,8 @@ Tape allocate(const DataFlow& flow, ValueId result) {
     const std::span<const ValueId> inputs = flow.inputs(operation);
     for (std::size_t i = 0; i < inputs.size(); ++i) {
       instruction.in[i] = register_of[inputs[i]];
-      const bool listed_before = std::find(inputs.begin(), inputs.begin() + static_cast<std::ptrdiff_t>(i), inputs[i]) !=
-                                 inputs.begin() + static_cast<std::ptrdiff_t>(i);
+      const bool listed_before = std::find(inputs.begin(), inputs.begin() + static_cast<std::ptrdiff_t>(i),
+                                           inputs[i]) != inputs.begin() + static_cast<std::ptrdiff_t>(i);
       if (last[inputs[i]] == place && !listed_before) registers.release(register_of[inputs[i]]);
     }
 

@@ -207,26 +207,16 @@ FieldFacts carried(const FieldFacts& child, unsigned symmetry, Move&& move) {
 FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& children) {
   const auto p = node.parameters();
   switch (node.kind()) {
-    case NodeKind::kSphere:
-      return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll | kIsotropic);
-    case NodeKind::kBox:
-      return primitive(about_origin({p[0], p[1], p[2]}), kMirrorAll);
-    case NodeKind::kPlane:
-      return primitive(plane_box(node), plane_symmetry(node));
-    case NodeKind::kCylinder:
-      return primitive(about_origin(extents(p[0], kInfinity, p[1])), kMirrorAll);
-    case NodeKind::kCappedCylinder:
-      return primitive(about_origin(extents(p[0], p[1], p[2])), kMirrorAll);
-    case NodeKind::kTorus:
-      return primitive(about_origin(extents(p[0] + p[1], p[1], p[2])), kMirrorAll);
-    case NodeKind::kCapsule:
-      return primitive(capsule_box(node), capsule_symmetry(node));
-    case NodeKind::kUnion:
-      return union_facts(node, children);
-    case NodeKind::kIntersection:
-      return intersection_facts(children);
-    case NodeKind::kDifference:
-      return difference_facts(children);
+    case NodeKind::kSphere: return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll | kIsotropic);
+    case NodeKind::kBox: return primitive(about_origin({p[0], p[1], p[2]}), kMirrorAll);
+    case NodeKind::kPlane: return primitive(plane_box(node), plane_symmetry(node));
+    case NodeKind::kCylinder: return primitive(about_origin(extents(p[0], kInfinity, p[1])), kMirrorAll);
+    case NodeKind::kCappedCylinder: return primitive(about_origin(extents(p[0], p[1], p[2])), kMirrorAll);
+    case NodeKind::kTorus: return primitive(about_origin(extents(p[0] + p[1], p[1], p[2])), kMirrorAll);
+    case NodeKind::kCapsule: return primitive(capsule_box(node), capsule_symmetry(node));
+    case NodeKind::kUnion: return union_facts(node, children);
+    case NodeKind::kIntersection: return intersection_facts(children);
+    case NodeKind::kDifference: return difference_facts(children);
     case NodeKind::kComplement: {
       FieldFacts facts;
       facts.lipschitz = children[0]->lipschitz;
@@ -244,8 +234,7 @@ FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& chil
     case NodeKind::kRepeat:
       return carried(*children[0], children[0]->symmetry & kMirrorAll,
                      [&](const LevelBox& box) { return repeated(box, node); });
-    case NodeKind::kPaint:
-      return *children[0];
+    case NodeKind::kPaint: return *children[0];
   }
   return {};
 }

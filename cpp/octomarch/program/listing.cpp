@@ -28,7 +28,8 @@ std::string padded(std::string text, std::size_t width) {
 std::string line(const Tape& tape, std::size_t index) {
   const Instruction& instruction = tape.code[index];
   const OpcodeInfo& shape = info(instruction.op);
-  std::string text = padded(std::to_string(index), 5) + padded(register_list(instruction.out.data(), shape.outputs), 12);
+  std::string text =
+      padded(std::to_string(index), 5) + padded(register_list(instruction.out.data(), shape.outputs), 12);
   text += "= " + padded(shape.mnemonic, 20) + padded(register_list(instruction.in.data(), shape.inputs), 16);
   for (std::size_t i = 0; i < shape.constants; ++i) {
     text += (i == 0 ? "" : ", ") + number(tape.constants[instruction.constants + i]);

@@ -31,8 +31,7 @@ Operators operators_of(NodeKind kind) {
   switch (kind) {
     case NodeKind::kIntersection:
       return {Opcode::kIntersection, Opcode::kSmoothIntersection, Opcode::kSelectIntersection};
-    case NodeKind::kDifference:
-      return {Opcode::kDifference, Opcode::kSmoothDifference, Opcode::kSelectDifference};
+    case NodeKind::kDifference: return {Opcode::kDifference, Opcode::kSmoothDifference, Opcode::kSelectDifference};
     default:  // unions, and the copies that a repeat looks at
       return {Opcode::kUnion, Opcode::kSmoothUnion, Opcode::kSelectUnion};
   }
@@ -94,8 +93,7 @@ class Lowering {
     switch (node.kind()) {
       case NodeKind::kTranslate:
       case NodeKind::kRotate:
-      case NodeKind::kScale:
-        return {intern(child_placement(placement, node))};
+      case NodeKind::kScale: return {intern(child_placement(placement, node))};
       case NodeKind::kPaint: {
         if (!attributes_) return {};
         Placement painted = placement;
@@ -110,8 +108,7 @@ class Lowering {
         }
         return branches;
       }
-      default:
-        return {};
+      default: return {};
     }
   }
 
@@ -134,7 +131,8 @@ class Lowering {
 
   /// Takes the child's result into its parent, from the left.
   void fold(Visit& parent) {
-    parent.folded = parent.done == 0 ? last_ : combine(*parent.node, placements_[parent.placement], parent.folded, last_);
+    parent.folded =
+        parent.done == 0 ? last_ : combine(*parent.node, placements_[parent.placement], parent.folded, last_);
     ++parent.done;
   }
 
@@ -157,7 +155,8 @@ class Lowering {
     Result result;
     result.distance = emit_primitive(node, placement, flow_);
     if (!attributes_) return result;
-    const std::int32_t material = material_index(placement.material >= 0 ? placement.material : paint_index(Material{}));
+    const std::int32_t material =
+        material_index(placement.material >= 0 ? placement.material : paint_index(Material{}));
     const auto id = static_cast<double>(objects_.size());
     const auto [entry, is_new] = object_ids_.try_emplace({result.distance, material}, id);
     if (is_new) objects_.push_back({node.kind(), material});
@@ -201,7 +200,7 @@ class Lowering {
   std::unordered_map<Placement, PlacementId, PlacementHash> placement_ids_;
   std::unordered_map<std::pair<const Node*, PlacementId>, Result, VisitHash> results_;
   std::vector<Visit> stack_;
-  Result last_;          ///< of the node that ended last
+  Result last_;           ///< of the node that ended last
   bool pending_ = false;  ///< enter() began a node that has yet to end
   std::vector<Object> objects_;
   std::vector<Material> materials_;

@@ -75,7 +75,8 @@ ValueId emit_revolution(const Node& node, const Placement& placement, DataFlow& 
     if (r.centre[0] == 0.0 && r.centre[2] == 0.0) {
       return flow.emit(Opcode::kOriginCylinder, {{r.frame[0], r.frame[2]}}, {{s * node.parameter(0)}});
     }
-    return flow.emit(Opcode::kCylinder, {{r.frame[0], r.frame[2]}}, {{r.centre[0], r.centre[2], s * node.parameter(0)}});
+    return flow.emit(Opcode::kCylinder, {{r.frame[0], r.frame[2]}},
+                     {{r.centre[0], r.centre[2], s * node.parameter(0)}});
   }
   const Revolution r = revolve(place, node.parameter(2));
   const Opcode op = node.kind() == NodeKind::kTorus ? Opcode::kTorus : Opcode::kCappedCylinder;
@@ -93,7 +94,8 @@ struct FrameRepeat {
   bool endless() const { return std::isinf(cells.limit); }
   /// Constants of ops::RepeatNeighbour, of which each simpler operator takes the beginning.
   std::array<double, 6> constants() const {
-    return {cells.period, 1.0 / cells.period, cells.shift - middle / cells.period, 0.5 - cells.shift, cells.limit, middle};
+    return {cells.period,      1.0 / cells.period, cells.shift - middle / cells.period,
+            0.5 - cells.shift, cells.limit,        middle};
   }
 };
 
@@ -143,7 +145,8 @@ std::size_t PlacementHash::operator()(const Placement& placement) const noexcept
   for (const ValueId value : placement.frame) mix(value);
   mix(std::bit_cast<std::uint64_t>(placement.scale));
   for (const double entry : placement.rotation) mix(std::bit_cast<std::uint64_t>(entry + 0.0));
-  for (std::size_t axis = 0; axis < 3; ++axis) mix(std::bit_cast<std::uint64_t>(component(placement.offset, axis) + 0.0));
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    mix(std::bit_cast<std::uint64_t>(component(placement.offset, axis) + 0.0));
   return hash;
 }
 
@@ -167,8 +170,9 @@ Placement aligned(const Placement& placement, DataFlow& flow) {
   const Mat3 local_from_frame = transposed(placement.rotation);
   const Vec3 shift = local_from_frame * placement.offset;
   const Mat3& m = local_from_frame;
-  const ValueId turned = flow.emit(Opcode::kRotate, placement.frame,
-                                   {{m[0], m[1], m[2], -shift.x, m[3], m[4], m[5], -shift.y, m[6], m[7], m[8], -shift.z}});
+  const ValueId turned =
+      flow.emit(Opcode::kRotate, placement.frame,
+                {{m[0], m[1], m[2], -shift.x, m[3], m[4], m[5], -shift.y, m[6], m[7], m[8], -shift.z}});
   Placement result;
   result.frame = {turned, turned + 1, turned + 2};
   result.scale = placement.scale;
@@ -202,14 +206,10 @@ ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFl
       if (c == Vec3{}) return flow.emit(Opcode::kOriginSphere, placement.frame, {{radius}});
       return flow.emit(Opcode::kSphere, placement.frame, {{c.x, c.y, c.z, radius}});
     }
-    case NodeKind::kBox:
-      return emit_box(primitive, placement, flow);
-    case NodeKind::kPlane:
-      return emit_plane(primitive, placement, flow);
-    case NodeKind::kCapsule:
-      return emit_capsule(primitive, placement, flow);
-    default:
-      return emit_revolution(primitive, placement, flow);
+    case NodeKind::kBox: return emit_box(primitive, placement, flow);
+    case NodeKind::kPlane: return emit_plane(primitive, placement, flow);
+    case NodeKind::kCapsule: return emit_capsule(primitive, placement, flow);
+    default: return emit_revolution(primitive, placement, flow);
   }
 }
 

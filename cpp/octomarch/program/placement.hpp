@@ -36,7 +36,8 @@ Placement aligned(const Placement& placement, DataFlow& flow);
 
 /// Placements of a kRepeat node's child: one, or 2ᵐ where the child lacks the mirror symmetry `symmetry` (analysis.hpp)
 /// on m of the repeated axes, so that the neighbouring cells are looked at too.
-std::vector<Placement> repeat_placements(const Placement& parent, const Node& repeat, unsigned symmetry, DataFlow& flow);
+std::vector<Placement> repeat_placements(const Placement& parent, const Node& repeat, unsigned symmetry,
+                                         DataFlow& flow);
 
 /// Emits a primitive node as one instruction; returns its distance value.
 ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFlow& flow);

@@ -58,8 +58,7 @@ bool DataFlow::simplify(Opcode& op, std::array<ValueId, kMaxInputs>& in, ValueId
         return true;
       }
       return false;
-    default:
-      return false;
+    default: return false;
   }
 }
 

@@ -46,7 +46,8 @@ void Illumination<Real>::set_materials(const SurfacePass<Real>& surface) {
   const bool several = attributes.materials.size() > 1;
   for (std::size_t i = 0; i < surface.count(); ++i) {
     const std::size_t index =
-        several ? static_cast<std::size_t>(attributes.objects[static_cast<std::size_t>(surface.object(i))].material) : 0;
+        several ? static_cast<std::size_t>(attributes.objects[static_cast<std::size_t>(surface.object(i))].material)
+                : 0;
     const Material& material = attributes.materials[index];
     albedo_.x[i] = static_cast<Real>(material.color.x);
     albedo_.y[i] = static_cast<Real>(material.color.y);

@@ -29,8 +29,7 @@ class Illumination {
     return {toward_.view(), distance_.data(), cosine_.data(), visibility_.data()};
   }
   kernels::MaterialView<Real> materials() {
-    return {albedo_.view(),   diffuse_.data(),  specular_.data(),
-            metallic_.data(), exponent_.data(), color_.view()};
+    return {albedo_.view(), diffuse_.data(), specular_.data(), metallic_.data(), exponent_.data(), color_.view()};
   }
 
   const Picture& picture_;
@@ -47,7 +46,8 @@ class Illumination {
 /// Radiance of a ray that hits nothing.
 template <class Real>
 Vec3 sky_color(const Sky& sky, Real dx, Real dy, Real dz) {
-  const Real facing = dx * static_cast<Real>(sky.axis.x) + dy * static_cast<Real>(sky.axis.y) + dz * static_cast<Real>(sky.axis.z);
+  const Real facing =
+      dx * static_cast<Real>(sky.axis.x) + dy * static_cast<Real>(sky.axis.y) + dz * static_cast<Real>(sky.axis.z);
   const auto toward = static_cast<double>(std::max(facing, Real(0)));
   const auto away = static_cast<double>(std::max(-facing, Real(0)));
   return sky.base + sky.toward * toward + sky.away * away;

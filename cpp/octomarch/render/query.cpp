@@ -168,10 +168,10 @@ void query_rays(const Program& program, const double* origins, const double* dir
   for_each_chunk(program, count, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
     auto& s = scratch_of(scratch, worker, program, kernels, chunk_size(program));
     set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
-    const RayColumns<Real> columns{column(s.batch.origin.x),    column(s.batch.origin.y),    column(s.batch.origin.z),
-                                   column(s.batch.direction.x), column(s.batch.direction.y), column(s.batch.direction.z),
-                                   kUlpFloor<Real>};
-    const kernels::RayView<Real> rays{columns.ox, columns.oy,        columns.oz,       columns.dx, columns.dy,
+    const RayColumns<Real> columns{
+        column(s.batch.origin.x),    column(s.batch.origin.y),    column(s.batch.origin.z), column(s.batch.direction.x),
+        column(s.batch.direction.y), column(s.batch.direction.z), kUlpFloor<Real>};
+    const kernels::RayView<Real> rays{columns.ox, columns.oy,      columns.oz,        columns.dx, columns.dy,
                                       columns.dz, column(s.t_max), column(s.epsilon), n};
     const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / program.lipschitz()), kUlpFloor<Real>,
                                                     march.max_steps, march.secant_finish, &cancelled};

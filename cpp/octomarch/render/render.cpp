@@ -50,7 +50,8 @@ RenderStats render(const Picture& picture, const Planes<Real>& planes, const ker
   return stats;
 }
 
-template RenderStats render<float>(const Picture&, const Planes<float>&, const kernels::Isa&, unsigned, const Listener&);
+template RenderStats render<float>(const Picture&, const Planes<float>&, const kernels::Isa&, unsigned,
+                                   const Listener&);
 template RenderStats render<double>(const Picture&, const Planes<double>&, const kernels::Isa&, unsigned,
                                     const Listener&);
 

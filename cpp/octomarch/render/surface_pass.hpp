@@ -13,7 +13,8 @@ namespace octomarch {
 /// Rays and what the march made of them, `size` at the most; one of these per worker.
 template <class Real>
 struct RayBatch {
-  explicit RayBatch(std::size_t size) : origin(size), direction(size), t(size), unfinished(size), status(size), steps(size) {}
+  explicit RayBatch(std::size_t size)
+      : origin(size), direction(size), t(size), unfinished(size), status(size), steps(size) {}
 
   VectorBuffer<Real> origin;     ///< not used where all rays share one
   VectorBuffer<Real> direction;  ///< likewise

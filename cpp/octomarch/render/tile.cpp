@@ -10,19 +10,32 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Calls f(pixel index in the picture, ray index in the tile) for each ray whose pixel lies in the picture.
+/// Calls f(pixel, ray, count) for each row of a packet that lies in the picture: `count` pixels side by side from index
+/// `pixel` of the picture on, and as many rays from index `ray` of the tile on.
 template <class Function>
-void for_each_pixel(const kernels::TileView& tile, Function&& f) {
+void for_each_run(const kernels::TileView& tile, Function&& f) {
   for (std::uint32_t packet_y = 0; packet_y < tile.packets_down; ++packet_y) {
     for (std::uint32_t packet_x = 0; packet_x < tile.packets_across; ++packet_x) {
       const std::size_t first = (std::size_t{packet_y} * tile.packets_across + packet_x) * kernels::kPacketLanes;
-      for (std::size_t lane = 0; lane < kernels::kPacketLanes; ++lane) {
-        const std::size_t x = tile.x + packet_x * kernels::kPacketWidth + lane % kernels::kPacketWidth;
-        const std::size_t y = tile.y + packet_y * kernels::kPacketHeight + lane / kernels::kPacketWidth;
-        if (x < tile.width && y < tile.height) f(y * tile.width + x, first + lane);
+      const std::size_t x = tile.x + packet_x * kernels::kPacketWidth;
+      const std::size_t count = std::min<std::size_t>(kernels::kPacketWidth, tile.width - x);
+      for (std::size_t row = 0; row < kernels::kPacketHeight; ++row) {
+        const std::size_t y = tile.y + packet_y * kernels::kPacketHeight + row;
+        if (y < tile.height) f(y * tile.width + x, first + row * kernels::kPacketWidth, count);
       }
     }
   }
+}
+
+template <class T>
+void write_plane(const kernels::TileView& tile, T* plane, const T* rays) {
+  for_each_run(tile, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
+    if (count == kernels::kPacketWidth) {
+      std::copy_n(rays + ray, kernels::kPacketWidth, plane + pixel);
+    } else {
+      std::copy_n(rays + ray, count, plane + pixel);
+    }
+  });
 }
 
 std::size_t pixel_of(const kernels::TileView& tile, std::size_t ray) {
@@ -56,8 +69,12 @@ kernels::TileView TileGrid::tile(std::size_t index) const {
   const auto packets = [](std::uint32_t pixels, std::size_t size) {
     return static_cast<std::uint32_t>((pixels + size - 1) / size);
   };
-  return {x, y, packets(std::min(edge, width - x), kernels::kPacketWidth),
-          packets(std::min(edge, height - y), kernels::kPacketHeight), width, height};
+  return {x,
+          y,
+          packets(std::min(edge, width - x), kernels::kPacketWidth),
+          packets(std::min(edge, height - y), kernels::kPacketHeight),
+          width,
+          height};
 }
 
 template <class Real>
@@ -87,7 +104,7 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& pla
   columns_.dz = perspective ? column(batch_.direction.z.data(), 0) : column(nullptr, fixed.z);
 
   // hit epsilon: absolute, rounding error and pixel footprint (see March)
-  const auto reach = [&](double Vec3::*axis) {
+  const auto reach = [&](double Vec3::* axis) {
     if (perspective) return std::fabs(fixed.*axis);
     return std::fabs(frame_.corner.*axis) + std::fabs(frame_.right.*axis) * picture.width +
            std::fabs(frame_.down.*axis) * picture.height;
@@ -128,13 +145,21 @@ template <class Real>
 void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancelled) {
   rays_ = std::size_t{tile.packets_across} * tile.packets_down * kernels::kPacketLanes;
   kernels_.camera_rays(view<Real>(frame_), tile, frame_.perspective ? batch_.direction.view() : batch_.origin.view());
-  const kernels::RayView<Real> rays{columns_.ox, columns_.oy, columns_.oz, columns_.dx, columns_.dy, columns_.dz,
-                                    {nullptr, clamped<Real>(picture_.march.max_distance)}, epsilon_, rays_};
+  const kernels::RayView<Real> rays{columns_.ox,
+                                    columns_.oy,
+                                    columns_.oz,
+                                    columns_.dx,
+                                    columns_.dy,
+                                    columns_.dz,
+                                    {nullptr, clamped<Real>(picture_.march.max_distance)},
+                                    epsilon_,
+                                    rays_};
   const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / picture_.program->lipschitz()),
                                                   columns_.epsilon_slope, picture_.march.max_steps,
                                                   picture_.march.secant_finish, &cancelled};
   const bool needs_status = planes_.status || surface_ || planes_.color;
-  const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.unfinished.data(), needs_status ? batch_.status.data() : nullptr,
+  const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.unfinished.data(),
+                                       needs_status ? batch_.status.data() : nullptr,
                                        planes_.steps ? batch_.steps.data() : nullptr};
   kernels_.march(octomarch::view<Real>(picture_.program->distance()), registers_.data(), rays, parameters, out,
                  stats_.primary);
@@ -142,21 +167,21 @@ void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancel
 
 template <class Real>
 void TileRenderer<Real>::write_rays(const kernels::TileView& tile) {
-  if (planes_.depth) for_each_pixel(tile, [&](auto pixel, auto ray) { planes_.depth[pixel] = batch_.t[ray]; });
-  if (planes_.status) for_each_pixel(tile, [&](auto pixel, auto ray) { planes_.status[pixel] = batch_.status[ray]; });
-  if (planes_.steps) for_each_pixel(tile, [&](auto pixel, auto ray) { planes_.steps[pixel] = batch_.steps[ray]; });
+  if (planes_.depth) write_plane(tile, planes_.depth, batch_.t.data());
+  if (planes_.status) write_plane(tile, planes_.status, batch_.status.data());
+  if (planes_.steps) write_plane(tile, planes_.steps, batch_.steps.data());
 }
 
 /// Values of pixels where no surface is; surfaces and sky overwrite them.
 template <class Real>
 void TileRenderer<Real>::clear(const kernels::TileView& tile) {
   const Planes<Real>& p = planes_;
-  for_each_pixel(tile, [&](auto pixel, auto) {
-    if (p.color) store(p.color, pixel, Real(0), Real(0), Real(0));
-    if (p.position) store(p.position, pixel, Real(0), Real(0), Real(0));
-    if (p.normal) store(p.normal, pixel, Real(0), Real(0), Real(0));
-    if (p.object_id) p.object_id[pixel] = -1;
-    if (p.material_id) p.material_id[pixel] = -1;
+  for_each_run(tile, [&](std::size_t pixel, std::size_t, std::size_t count) {
+    if (p.color) std::fill_n(p.color + 3 * pixel, 3 * count, Real(0));
+    if (p.position) std::fill_n(p.position + 3 * pixel, 3 * count, Real(0));
+    if (p.normal) std::fill_n(p.normal + 3 * pixel, 3 * count, Real(0));
+    if (p.object_id) std::fill_n(p.object_id + pixel, count, -1);
+    if (p.material_id) std::fill_n(p.material_id + pixel, count, -1);
   });
 }
 
@@ -181,12 +206,16 @@ void TileRenderer<Real>::write_surfaces(const kernels::TileView& tile) {
 
 template <class Real>
 void TileRenderer<Real>::write_sky(const kernels::TileView& tile) {
-  for_each_pixel(tile, [&](auto pixel, auto ray) {
-    if (static_cast<Status>(batch_.status[ray]) != Status::kMiss) return;
-    const Vec3 color =
-        sky_color<Real>(picture_.scene->sky, RayColumns<Real>::at(columns_.dx, ray),
-                        RayColumns<Real>::at(columns_.dy, ray), RayColumns<Real>::at(columns_.dz, ray));
-    store(planes_.color, pixel, static_cast<Real>(color.x), static_cast<Real>(color.y), static_cast<Real>(color.z));
+  for_each_run(tile, [&](std::size_t first_pixel, std::size_t first_ray, std::size_t count) {
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t ray = first_ray + i;
+      if (static_cast<Status>(batch_.status[ray]) != Status::kMiss) continue;
+      const Vec3 color =
+          sky_color<Real>(picture_.scene->sky, RayColumns<Real>::at(columns_.dx, ray),
+                          RayColumns<Real>::at(columns_.dy, ray), RayColumns<Real>::at(columns_.dz, ray));
+      store(planes_.color, first_pixel + i, static_cast<Real>(color.x), static_cast<Real>(color.y),
+            static_cast<Real>(color.z));
+    }
   });
 }
 
