@@ -6,8 +6,8 @@ set(OCTOMARCH_FLOAT_FLAGS -ffp-contract=off -fno-math-errno)
 
 foreach(flags IN ITEMS "${CMAKE_CXX_FLAGS}" "${CMAKE_SHARED_LINKER_FLAGS}" "${CMAKE_MODULE_LINKER_FLAGS}")
   if(flags MATCHES "-ffast-math|-Ofast|-funsafe-math-optimizations")
-    message(FATAL_ERROR "octomarch cannot be built with ${CMAKE_MATCH_0}: results would differ between instruction sets, "
-                        "and linking with it switches the whole process to flush-to-zero. It is in CXXFLAGS or LDFLAGS.")
+    message(FATAL_ERROR "octomarch cannot be built with ${CMAKE_MATCH_0}: results would differ between processors, and "
+                        "linking with it switches the whole process to flush-to-zero. It is in CXXFLAGS or LDFLAGS.")
   endif()
 endforeach()
 

@@ -25,6 +25,12 @@ else()
   set(isa_candidates scalar)
 endif()
 
+# Kernels are flattened into few large functions, which GCC takes minutes to optimise with a sanitizer's checks in them.
+set(isa_optimisation $<$<CONFIG:Release>:-O3>)
+if(OCTOMARCH_SANITIZE)
+  set(isa_optimisation -O0)
+endif()
+
 set(OCTOMARCH_ISAS "")
 foreach(isa IN LISTS isa_candidates)
   list(JOIN isa_flags_${isa} " " flags)
@@ -33,7 +39,7 @@ foreach(isa IN LISTS isa_candidates)
     list(APPEND OCTOMARCH_ISAS ${isa})
     add_library(octomarch_isa_options_${isa} INTERFACE)
     target_compile_options(octomarch_isa_options_${isa} INTERFACE
-      $<$<CONFIG:Release>:-O3> -fvisibility=hidden ${isa_flags_${isa}})
+      ${isa_optimisation} -fvisibility=hidden ${isa_flags_${isa}})
   endif()
 endforeach()
 message(STATUS "Instruction sets: ${OCTOMARCH_ISAS}")
