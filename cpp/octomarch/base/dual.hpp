@@ -7,7 +7,7 @@
 
 namespace octomarch {
 
-/// `T`: a lane type. `value` has exactly the bits that the plain evaluation over T has.
+/// `T`: a lane type. `value` is what the plain evaluation over T gives, but for the sign of a zero.
 template <class T>
 struct Dual {
   T value;
@@ -78,6 +78,24 @@ template <class T>
 Dual<T> max(const Dual<T>& a, const T& c) {
   const auto kept = a.value > c;
   return {select(kept, a.value, c), select(kept, a.dx, T(0)), select(kept, a.dy, T(0)), select(kept, a.dz, T(0))};
+}
+
+/// Where a tie of two fields is to be decided for the first: where only it has a slope. A point on a sphere's surface
+/// that is another's centre still gets the normal of the surface.
+template <class T>
+auto only_first_has_slope(const Dual<T>& a, const Dual<T>& b) {
+  const T none = T(0);
+  return (a.value == b.value) & (b.dx == none) & (b.dy == none) & (b.dz == none);
+}
+
+template <class T>
+Dual<T> smaller_of(const Dual<T>& a, const Dual<T>& b) {
+  return select((a.value < b.value) | only_first_has_slope(a, b), a, b);
+}
+
+template <class T>
+Dual<T> larger_of(const Dual<T>& a, const Dual<T>& b) {
+  return select((a.value > b.value) | only_first_has_slope(a, b), a, b);
 }
 
 /// The part that comparisons look at.

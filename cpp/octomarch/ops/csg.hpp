@@ -18,7 +18,7 @@ struct Union : NoConstants {
   using NoConstants::NoConstants;
   template <class T>
   T operator()(const T& a, const T& b) const {
-    return min(a, b);
+    return smaller_of(a, b);
   }
 };
 
@@ -27,7 +27,7 @@ struct Intersection : NoConstants {
   using NoConstants::NoConstants;
   template <class T>
   T operator()(const T& a, const T& b) const {
-    return max(a, b);
+    return larger_of(a, b);
   }
 };
 
@@ -37,7 +37,7 @@ struct Difference : NoConstants {
   using NoConstants::NoConstants;
   template <class T>
   T operator()(const T& a, const T& b) const {
-    return max(a, -b);
+    return larger_of(a, -b);
   }
 };
 

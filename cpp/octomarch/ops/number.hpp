@@ -16,6 +16,17 @@ struct Triple {
   T z;
 };
 
+/// min and max of two fields. Values with derivatives have overloads that take, of equal operands, one that has a slope.
+template <class T>
+T smaller_of(const T& a, const T& b) {
+  return min(a, b);
+}
+
+template <class T>
+T larger_of(const T& a, const T& b) {
+  return max(a, b);
+}
+
 template <class T>
 T length(const T& x, const T& y) {
   return sqrt(square(x) + square(y));
