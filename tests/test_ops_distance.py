@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
 import octomarch as om
-from rounding import field_error, representable
+from rounding import field_error, representable, unit_roundoff
 from strategies import POINTS, PRIMITIVES, Sample, combined, nested, primitive, repeated, rotated, scaled, translated
 
 LIMITS = {
@@ -128,15 +128,16 @@ def test_smooth_operators_are_exact_where_operands_differ_by_more_than_k(isa: st
     assert (cut[~apart] > np.maximum(fields[0], -fields[1])[~apart]).all()
 
 
+NARROWEST = 1e-37  # blends of less count as none
+
+
 @pytest.mark.parametrize("k", [0.3, 1e-6, 1e6, 1e20, 1e-30, 1e-40, 5e-324])
 def test_blends_of_any_width_are_finite_and_as_deep_as_they_say(k: float, isa: str, precision: str):
     """At equal operands the blend is k/4 below both."""
     ball = om.sphere(1.0)
     blended = ball.translate(1, 0, 0).union(ball.translate(-1, 0, 0), smooth=k)
     value = float(blended.distance([0, 0, 0], precision=precision, isa=isa))
-    assert value == pytest.approx(
-        -k / 4, rel=float(4 * np.finfo(precision).eps), abs=1e-37
-    )  # narrower ones count as none
+    assert value == pytest.approx(-k / 4, rel=4 * unit_roundoff(precision), abs=NARROWEST)
     assert np.isfinite(blended.distance(POINTS, precision=precision, isa=isa)).all()
     assert np.isfinite(om.reference.distance(blended, POINTS, dtype=precision)).all()
 

@@ -29,7 +29,7 @@ def reference_gradients(sample: Sample, points: np.ndarray, precision: str) -> t
 
 
 def check(sample: Sample, isa: str, precision: str) -> None:
-    """A gradient is that of a point as near as the distances of both are exact, up to rounding of its own.
+    """Check that each gradient is one of a point within the error of distances, up to rounding of its own.
 
     On a crease two such points may lie on opposite sides of the reference's: hence twice the spread.
     """
@@ -75,7 +75,7 @@ def test_gradient_of_exact_fields_has_unit_length(name: str, isa: str, precision
     assert_allclose(norms, 1, rtol=0, atol=2 * ROUNDINGS * unit_roundoff(precision))
 
 
-# Points on surfaces at coordinates that floats hold, where the secant finish ends, and where several formulas tie. ------
+# Points on surfaces at coordinates that floats hold: there the secant finish ends, and there several formulas tie.
 
 X, Y, Z = np.eye(3)
 FACES = {

@@ -2,8 +2,8 @@
 // instantiated by kernels/ over lanes (values) and over Dual<lanes> (values with exact derivatives).
 //
 // T offers + - * and unary -, sqrt, square, abs, min, max, select(mask, a, b) and value_of (the part that comparisons
-// look at), with min(a, b) = a < b ? a : b and max(a, b) = a > b ? a : b: so a NaN in `a` yields `b`. Constants have the lane type C itself, which has floor
-// too; T mixes with C in + - * min max.
+// look at), with min(a, b) = a < b ? a : b and max(a, b) = a > b ? a : b: so a NaN in `a` yields `b`. Constants have the
+// lane type C itself, which has floor too; T mixes with C in + - * min max.
 #pragma once
 
 namespace octomarch::ops {
