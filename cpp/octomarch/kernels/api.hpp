@@ -16,7 +16,8 @@ namespace octomarch::kernels {
 
 constexpr std::size_t padded_lanes(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
-/// A tape as kernels see it. Its register file has kLanes numbers per register (4·kLanes for gradients), aligned.
+/// A tape as kernels see it. Its register file has kLanes numbers per register, aligned; marches, which keep two blocks
+/// going, need two files kFileGap rows apart, gradients one four times as large.
 template <class Real>
 struct TapeView {
   const Instruction* code;

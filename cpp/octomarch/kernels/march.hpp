@@ -28,7 +28,6 @@ struct BlockState {
   alignas(kAlignment) Real t[kLanes];
   alignas(kAlignment) Real t_max[kLanes];
   alignas(kAlignment) Real epsilon[kLanes];
-  alignas(kAlignment) Real r[kLanes];        ///< last field value over the Lipschitz bound, for tasks that keep it
   alignas(kAlignment) Real carried[kLanes];  ///< what the task remembers: the last accepted r, or a visibility
 };
 
@@ -42,6 +41,7 @@ struct Block {
   std::int64_t deadline = std::numeric_limits<std::int64_t>::max();  ///< value of `step` at which a packet is spent
   std::uint64_t live = 0;                                            ///< rays that go on; bit = lane
   std::size_t slots = 0;                                             ///< packets held, in the first slots
+  Real* registers = nullptr;                                         ///< a register file of its own
 
   std::uint64_t used_lanes() const {
     return slots == kPackets ? ~std::uint64_t{0} : (std::uint64_t{1} << (slots * kPacketLanes)) - 1;
@@ -66,8 +66,8 @@ struct Block {
     set_live(slot, moved);
     first_ray[slot] = first_ray[slots];
     start[slot] = start[slots];
-    Real* const rows[] = {state.ox, state.oy,    state.oz,      state.dx, state.dy,     state.dz,
-                          state.t,  state.t_max, state.epsilon, state.r,  state.carried};
+    Real* const rows[] = {state.ox, state.oy, state.oz,    state.dx,      state.dy,
+                          state.dz, state.t,  state.t_max, state.epsilon, state.carried};
     for (Real* row : rows) {
       __builtin_memcpy(row + slot * kPacketLanes, row + slots * kPacketLanes, kPacketLanes * sizeof(Real));
     }
@@ -136,12 +136,13 @@ struct HitTask {
   void observe(BlockState<Real>& state, std::size_t lane, const T& /*t*/, const T& r, const Mask<Real>& goes_on) const {
     if constexpr (kSecantFinish) {
       select(goes_on, r, T::load(state.carried + lane)).store(state.carried + lane);
-      r.store(state.r + lane);
     }
   }
 
-  /// Writes what became of the rays of one slot, of which those that are still live have spent their steps.
-  void retire(const Block<Real>& block, std::size_t slot, std::size_t valid) const {
+  /// Writes what became of the rays of one slot, of which those that are still live have spent their steps. `field`:
+  /// values of the block's last step.
+  void retire(const Block<Real>& block, const Real* field, const T& step_scale, std::size_t slot,
+              std::size_t valid) const {
     alignas(kAlignment) Real results[kLanes];
     alignas(kAlignment) Real unfinished[kLanes];
     alignas(kAlignment) Real statuses[kLanes];
@@ -151,7 +152,8 @@ struct HitTask {
       const T t_max = T::load(state.t_max + lane);
       const Mask<Real> hit = t <= t_max;  // what ended otherwise is beyond t_max, or NaN
       const Mask<Real> inside = t == T(Real(0));
-      const T end = kSecantFinish ? finished(t, T::load(state.r + lane), T::load(state.carried + lane), t_max) : t;
+      const T end =
+          kSecantFinish ? finished(t, T::load(field + lane) * step_scale, T::load(state.carried + lane), t_max) : t;
       const T nowhere = std::numeric_limits<Real>::infinity();
       select(hit, select(inside, t, end), nowhere).store(results + lane);
       if constexpr (kSecantFinish) select(hit, t, nowhere).store(unfinished + lane);
@@ -204,7 +206,8 @@ struct ShadowTask {
   }
 
   /// A ray that ended within t_max has hit something.
-  void retire(const Block<Real>& block, std::size_t slot, std::size_t valid) const {
+  void retire(const Block<Real>& block, const Real* /*field*/, const T& /*step_scale*/, std::size_t slot,
+              std::size_t valid) const {
     Real* const out = visibility + block.first_ray[slot];
     const std::size_t lane = slot * kPacketLanes;
     for (std::size_t i = 0; i < valid; ++i) {
@@ -227,7 +230,8 @@ class Marcher {
 
   void run() {
     Block<Real> blocks[2];
-    for (Block<Real>& block : blocks) open(block);
+    open(blocks[0], registers_);
+    open(blocks[1], registers_ + (tape_.registers + kFileGap) * kLanes);
     for (unsigned turn = 0; blocks[0].slots + blocks[1].slots > 0; turn ^= 1U) {
       if (__atomic_load_n(parameters_.cancelled, __ATOMIC_RELAXED)) return;
       if (blocks[turn].slots > 0) advance(blocks[turn]);
@@ -237,7 +241,8 @@ class Marcher {
   }
 
  private:
-  void open(Block<Real>& block) {
+  void open(Block<Real>& block, Real* registers) {
+    block.registers = registers;
     BlockState<Real>& state = block.state;
     set_block(state.ox, rays_.ox);
     set_block(state.oy, rays_.oy);
@@ -255,8 +260,8 @@ class Marcher {
     const std::size_t count = batches<Real>(block.slots * kPacketLanes);
     counters_.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(block.live));
     counters_.lane_slots += count * kWidth<Real>;
-    place_points(block.state, count);
-    const Real* const field = evaluate(tape_, registers_, count);
+    place_points(block, count);
+    const Real* const field = evaluate(tape_, block.registers, count);
     const std::uint64_t live = step_rays(block.state, field, count) & block.used_lanes();
     ++block.step;
     if (task_.steps() != nullptr) record_steps(block, block.live & ~live);
@@ -265,8 +270,9 @@ class Marcher {
 
   /// Coordinates of every lane's sample point into registers 0, 1, 2. Where all rays start at one point, as a camera's
   /// do, that is no row to read.
-  [[gnu::flatten]] void place_points(const BlockState<Real>& state, std::size_t count) {
-    Real* const registers = registers_;
+  [[gnu::flatten]] void place_points(const Block<Real>& block, std::size_t count) {
+    const BlockState<Real>& state = block.state;
+    Real* const registers = block.registers;
     const auto place = [&](const auto& ox, const auto& oy, const auto& oz) {
       for_each_batch<Real>(count, [&](std::size_t lane) {
         const T t = T::load(state.t + lane);
@@ -323,7 +329,8 @@ class Marcher {
       const std::uint64_t live = block.live & std::uint64_t{0xFF} << (slot * kPacketLanes);
       if (live != 0 && block.step - block.start[slot] < parameters_.max_steps) continue;
       if (task_.steps() != nullptr) record_steps(block, live);
-      task_.retire(block, slot, valid_rays(block.first_ray[slot]));
+      task_.retire(block, block.registers + tape_.result * kLanes, T(parameters_.step_scale), slot,
+                   valid_rays(block.first_ray[slot]));
       if (!load(block, slot)) block.close(slot);
     }
     block.deadline = std::numeric_limits<std::int64_t>::max();
@@ -428,9 +435,13 @@ void check_finish(const TapeView<Real>& tape, Real* registers, const RayView<Rea
     const std::size_t lanes = left < kLanes ? left : kLanes;
     const std::size_t count = batches<Real>(lanes);
     const auto copy = [&](Real* row, const Column<Real>& column) {
-      for (std::size_t i = 0; i < lanes; ++i)
-        row[i] = column.values == nullptr ? column.value : column.values[first + i];
-      for (std::size_t i = lanes; i < kLanes; ++i) row[i] = 0;
+      if (column.values == nullptr) {
+        for (std::size_t i = 0; i < kLanes; ++i) row[i] = column.value;
+      } else if (lanes == kLanes) {
+        __builtin_memcpy(row, column.values + first, kLanes * sizeof(Real));
+      } else {
+        for (std::size_t i = 0; i < kLanes; ++i) row[i] = i < lanes ? column.values[first + i] : Real(0);
+      }
     };
     copy(t, {out.t, 0});
     copy(unfinished, {out.unfinished, 0});

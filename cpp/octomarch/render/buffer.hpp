@@ -60,10 +60,10 @@ kernels::TapeView<Real> view(const Tape& tape) {
   return {tape.code.data(), tape.code.size(), constants, tape.registers, tape.result};
 }
 
-/// Register file of a tape; `components`: 1 for values, 4 for gradients.
+/// Register files of a tape: 1 for values, 2 for marches, 4 for gradients (see kernels::TapeView).
 template <class Real>
-Buffer<Real> register_file(const Tape& tape, std::size_t components) {
-  return Buffer<Real>(std::size_t{tape.registers} * kernels::kLanes * components);
+Buffer<Real> register_file(const Tape& tape, std::size_t files) {
+  return Buffer<Real>((tape.registers + kernels::kFileGap) * kernels::kLanes * files);
 }
 
 /// A double as Real, no farther out than the largest finite number.

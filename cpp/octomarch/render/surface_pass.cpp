@@ -13,7 +13,7 @@ SurfacePass<Real>::SurfacePass(const Program& program, const kernels::KernelTabl
       program_(program),
       kernels_(kernels),
       object_(size),
-      registers_(register_file<Real>(program.distance(), 1)) {
+      registers_(register_file<Real>(program.distance(), 2)) {
   ray_.reserve(size);
   status_.reserve(size);
 }
