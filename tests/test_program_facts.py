@@ -1,0 +1,160 @@
+"""What the compiler knows of a whole field, without running it: where the solid can be, how steep it is, what it is
+made of.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+import octomarch as om
+from strategies import POINTS, Sample, nested, primitive, rotated, translated, vector
+
+BOX = om.box((1, 2, 3))
+BALL = om.sphere(0.5)
+
+# Bounds --------------------------------------------------------------------------------------------------------------
+
+
+@given(sample=nested())
+def test_bounds_hold_the_solid(sample: Sample):
+    lo, hi = (np.array(corner) for corner in om.compile(sample.shape).bounds)
+    slack = 1e-12 * (1 + sample.extent)
+    span = 1.5 * min(sample.extent, 20) + 0.5
+    points = np.concatenate([POINTS, np.random.default_rng(2).uniform(-span, span, (2000, 3))])
+    inside = points[om.reference.distance(sample.shape, points) < -slack]
+    assert (inside >= lo - slack).all()
+    assert (inside <= hi + slack).all()
+
+
+@given(sample=nested())
+def test_bounds_hold_what_rays_hit(sample: Sample):
+    program = om.compile(sample.shape)
+    lo, hi = (np.array(corner) for corner in program.bounds)
+    hits = sample.shape.raycast(POINTS * 3, -POINTS, march=om.March(epsilon=1e-6, max_steps=64))
+    found = hits.position[hits.status == om.Status.HIT]
+    tolerance = 1e-5 * (1 + sample.extent)  # sideways of a ray that grazes within epsilon
+    assert (found >= lo - tolerance).all()
+    assert (found <= hi + tolerance).all()
+
+
+BOUNDS = {
+    "ball": (om.sphere(1.0, center=(1, 2, 3)), (0, 1, 2), (2, 3, 4)),
+    "can": (om.cylinder(1.0, 4, axis="x"), (-2, -1, -1), (2, 1, 1)),
+    "cylinder": (om.cylinder(1.0), (-1, -math.inf, -1), (1, math.inf, 1)),
+    "torus": (om.torus(2, 0.5), (-2.5, -0.5, -2.5), (2.5, 0.5, 2.5)),
+    "floor": (om.plane(point=(0, -1, 0)), (-math.inf,) * 3, (math.inf, -1, math.inf)),
+    "cut floor": (om.plane() & om.box((4, 6, 4)), (-2, -3, -2), (2, 0, 2)),
+    "complement": (~om.sphere(1.0), (-math.inf,) * 3, (math.inf,) * 3),
+    "blend": (om.sphere(1.0).union(om.sphere(1.0), smooth=0.5), (-1.125,) * 3, (1.125,) * 3),
+    "row": (om.sphere(0.5).repeat((2, None, None), 4), (-3.5, -0.5, -0.5), (3.5, 0.5, 0.5)),
+    "grid": (om.sphere(0.5).repeat((2, None, 2)), (-math.inf, -0.5, -math.inf), (math.inf, 0.5, math.inf)),
+    "scaled and moved": (BOX.scale(2).translate(1, 0, 0), (0, -2, -3), (2, 2, 3)),
+    "drilled": (BOX - om.cylinder(0.25), (-0.5, -1, -1.5), (0.5, 1, 1.5)),
+}
+
+
+@pytest.mark.parametrize("name", BOUNDS)
+def test_bounds_are_tight_where_they_can_be(name: str):
+    shape, lo, hi = BOUNDS[name]
+    assert om.compile(shape).bounds == (lo, hi)
+
+
+def test_focus_leaves_out_what_has_no_end():
+    floor = om.plane(point=(0, -1, 0))
+    assert om.compile(floor | om.sphere(1.0)).focus == ((-1, -1, -1), (1, 1, 1))
+    assert om.compile(floor).focus is None
+    assert om.compile(om.sphere(1.0) & om.sphere(1.0, center=(5, 0, 0))).focus is None
+
+
+@given(sample=nested())
+def test_lipschitz_bound_is_never_exceeded(sample: Sample):
+    """Difference quotients over many lengths; rounding of the distances is all that may be added."""
+    lipschitz = om.compile(sample.shape).lipschitz
+    rng = np.random.default_rng(4)
+    points = np.tile(POINTS, (4, 1))
+    lengths = np.repeat([1e-6, 1e-3, 0.1, 3.0], len(POINTS))
+    steps = rng.normal(size=points.shape)
+    others = points + steps / np.linalg.norm(steps, axis=1)[:, None] * lengths[:, None]
+    rise = np.abs(sample.shape.distance(points) - sample.shape.distance(others))
+    rounding = 1e-14 * sample.levels * (np.linalg.norm(points, axis=1) + sample.extent + 3)
+    assert (rise <= lipschitz * np.linalg.norm(points - others, axis=1) + rounding).all()
+
+
+# Ids -----------------------------------------------------------------------------------------------------------------
+
+RED, BLUE = om.Material((1, 0, 0)), om.Material((0, 0, 1))
+PLAIN = om.Material()
+
+
+def test_innermost_paint_wins_and_materials_count_as_they_appear():
+    shape = om.union(BALL.paint(BLUE).paint(RED), BOX, om.torus(1, 0.25).paint(RED), om.cylinder(0.1).paint(BLUE))
+    program = om.compile(shape)
+    assert program.materials == [BLUE, PLAIN, RED]
+    assert program.objects == [("sphere", 0), ("box", 1), ("torus", 2), ("cylinder", 0)]
+    assert om.compile(shape.paint(RED)).materials == [BLUE, RED]
+
+
+def test_objects_are_placed_primitives():
+    twice = BALL | BALL.translate(2, 0, 0) | BALL
+    assert om.compile(twice).objects == [("sphere", 0), ("sphere", 0)]
+    both = BALL.paint(RED) | BALL.paint(BLUE)
+    assert om.compile(both).objects == [("sphere", 0), ("sphere", 1)]
+
+
+def test_ids_of_one_object_cost_one_instruction():
+    assert om.compile(BALL).attribute_instructions == 1
+    assert om.compile(BOX.rotate(20).paint(RED)).attribute_instructions == 1
+
+
+PAIR = BALL.paint(RED) | om.sphere(0.25, center=(1, 0, 0)).paint(BLUE)
+IDS = {  # shape, and two rays straight down: the first meets what is red, the second what is blue
+    "union": (BALL.paint(RED) | BOX.translate(3, 0, 0).paint(BLUE), (0, 0), (3, 1)),
+    "intersection": (om.sphere(0.6).paint(RED) & om.box(1.0).paint(BLUE), (0.45, 0), (0, 0)),
+    "difference": (BOX.paint(RED) - BALL.translate(0, 1, 0).paint(BLUE), (0, 1), (0.1, 0)),
+    "blend": (BALL.paint(RED).union(BOX.translate(1, 0, 0).paint(BLUE), smooth=0.5), (-0.3, 0), (1, 0)),
+    "cut blend": (BOX.paint(RED).difference(BALL.translate(0, 1, 0).paint(BLUE), smooth=0.1), (0, 1), (0, 0)),
+    "complement": (~BALL.paint(RED) & om.plane().paint(BLUE), (0.2, 0.1), (2, 0)),
+    "placed": (PAIR.translate(-1, 0, 0).scale(2).rotate(90), (0, 2), (0, 0)),
+    "repeat": (PAIR.repeat((3, 0, 3)), (3, 6), (-2, -3)),
+    "paint outside paint": ((BALL.paint(RED) | BOX.translate(3, 0, 0)).paint(BLUE), (0, 0), (3, 1)),
+}
+
+
+@pytest.mark.parametrize("name", IDS)
+def test_ids_are_those_of_the_part_that_is_met(name: str, isa: str, precision: str):
+    shape, *rays = IDS[name]
+    program = om.compile(shape)
+    origins = [(x, 5.0, z) for x, z in rays]
+    hits = shape.raycast(origins, [0, -1, 0], precision=precision, isa=isa)
+    assert [program.materials[i] for i in hits.material_id] == [RED, BLUE]
+    assert [program.objects[i][1] for i in hits.object_id] == hits.material_id.tolist()
+
+
+placed = st.builds(
+    lambda inner, turn, offset: translated(rotated(inner, turn, "x"), offset),
+    primitive,
+    st.sampled_from([0.0, 90.0, 37.0]),
+    vector,
+)
+
+
+@given(
+    parts=st.lists(placed, min_size=2, max_size=5),
+    kinds=st.lists(st.sampled_from([om.union, om.intersection, om.difference]), min_size=4, max_size=4),
+)
+def test_a_hit_lies_on_the_surface_of_the_object_it_names(isa: str, parts: list[Sample], kinds: list):
+    """Whatever the operators, each primitive with a paint of its own: no tie can make this fail."""
+    paints = [om.Material(0.125 * i) for i in range(len(parts))]
+    whole = parts[0].shape.paint(paints[0])
+    for part, paint, kind in zip(parts[1:], paints[1:], kinds, strict=False):
+        whole = kind(whole, part.shape.paint(paint))
+    march = om.March(epsilon=1e-6)
+    hits = whole.raycast(POINTS * 3, -POINTS, march=march, isa=isa)
+    program = om.compile(whole)
+    for i in np.flatnonzero(hits.status == om.Status.HIT):
+        part = parts[paints.index(program.materials[hits.material_id[i]])]
+        assert abs(part.shape.distance(hits.position[i])) <= 1e-6 * (1 + 1e-6)
+        assert program.objects[hits.object_id[i]][1] == hits.material_id[i]
