@@ -1,5 +1,6 @@
-"""What the compiler makes of a shape, read off the listing: shared parts once, transforms folded, registers reused, ids
-in order. That the program still means the shape is for test_ops_distance.py to say.
+"""What the compiler makes of a shape, read off the listing: shared parts once, transforms folded, registers reused.
+
+That the program still means the shape is for test_ops_distance.py to say.
 """
 
 import threading
