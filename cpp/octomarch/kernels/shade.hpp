@@ -20,8 +20,10 @@ void camera_rays(const CameraView<Real>& camera, const TileView& tile, const Vec
     // Pixel centres of a block of packets; those outside the picture become NaN, and so does their ray.
     for (std::size_t slot = 0; slot < kPackets; ++slot) {
       for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
-        columns[slot * kPacketLanes + lane] = static_cast<Real>(i + lane % kPacketWidth) + Real(0.5);
-        rows[slot * kPacketLanes + lane] = static_cast<Real>(j + lane / kPacketWidth) + Real(0.5);
+        const std::size_t column = i + lane % kPacketWidth;
+        const std::size_t row = j + lane / kPacketWidth;
+        columns[slot * kPacketLanes + lane] = static_cast<Real>(column) + Real(0.5);
+        rows[slot * kPacketLanes + lane] = static_cast<Real>(row) + Real(0.5);
       }
       i += kPacketWidth;
       if (i >= tile.x + tile.packets_across * kPacketWidth) {

@@ -69,8 +69,8 @@ Buffer<Real> register_file(const Tape& tape, std::size_t files) {
 /// A double as Real, no farther out than the largest finite number.
 template <class Real>
 Real clamped(double value) {
-  constexpr double largest = static_cast<double>(std::numeric_limits<Real>::max());
-  return static_cast<Real>(std::clamp(value, -largest, largest));
+  constexpr double kLargest = static_cast<double>(std::numeric_limits<Real>::max());
+  return static_cast<Real>(std::clamp(value, -kLargest, kLargest));
 }
 
 /// 16 units of rounding error, the relative part of every hit epsilon (see March in graph/scene.hpp).
