@@ -77,7 +77,7 @@ def building() -> Demo:
     Examples
     --------
     >>> building().camera.eye
-    (9.0, 4.0, 12.0)
+    (11.0, 5.0, 14.5)
     """
     windows = box((0.6, 0.8, 0.6)).repeat((1, 1.5, 1))
     tower: Shape = box((4, 12, 4)) - windows - cylinder(1.2)
@@ -89,7 +89,7 @@ def building() -> Demo:
         ambient=(0.20, 0.20, 0.21),
         lights=[DirectionalLight(direction=(-1.0, -1.1, -0.45), color=(1.0, 0.90, 0.74))],
     )
-    return Demo(scene, Camera(eye=(9, 4, 12), target=(0, 0, 0), fov=45))
+    return Demo(scene, Camera(eye=(11, 5, 14.5), target=(0, -0.4, 0), fov=42))
 
 
 DEMOS: dict[str, Callable[[], Demo]] = {"blend": blend, "building": building}
