@@ -49,8 +49,10 @@ py::array distance(const Program& program, const Rows& points, const std::string
   return with_precision("precision", precision, [&]<class Real>(Real) -> py::array {
     py::array_t<Real> values(points.shape(0));
     const std::span<Real> out = contents(values);
-    const py::gil_scoped_release release;
-    query_distance(program, in.data(), out.size(), out.data(), how);
+    {
+      const py::gil_scoped_release release;
+      query_distance(program, in.data(), out.size(), out.data(), how);
+    }
     return values;
   });
 }
@@ -62,8 +64,10 @@ py::array gradient(const Program& program, const Rows& points, const std::string
   return with_precision("precision", precision, [&]<class Real>(Real) -> py::array {
     py::array_t<Real> gradients({points.shape(0), py::ssize_t{3}});
     const std::span<Real> out = contents(gradients);
-    const py::gil_scoped_release release;
-    query_gradient(program, in.data(), in.size() / 3, out.data(), how);
+    {
+      const py::gil_scoped_release release;
+      query_gradient(program, in.data(), in.size() / 3, out.data(), how);
+    }
     return gradients;
   });
 }
