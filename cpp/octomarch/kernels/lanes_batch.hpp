@@ -43,7 +43,8 @@ struct Lanes {
   friend Lanes operator-(const Lanes& a, const Lanes& b) { return a.v - b.v; }
   friend Lanes operator*(const Lanes& a, const Lanes& b) { return a.v * b.v; }
   friend Lanes operator/(const Lanes& a, const Lanes& b) { return a.v / b.v; }
-  friend Lanes operator-(const Lanes& a) { return -a.v; }
+  /// The sign is turned, also of a zero: xsimd takes 0 − a on AVX-512, which leaves +0 as it is.
+  friend Lanes operator-(const Lanes& a) { return a.v ^ Native(Real(-0.0)); }
   friend Mask<Real> operator<(const Lanes& a, const Lanes& b) { return {a.v < b.v}; }
   friend Mask<Real> operator<=(const Lanes& a, const Lanes& b) { return {a.v <= b.v}; }
   friend Mask<Real> operator>(const Lanes& a, const Lanes& b) { return {a.v > b.v}; }
