@@ -8,7 +8,7 @@
 #   make sanitize  both kinds of tests under the address and undefined-behaviour sanitizers
 #   make clean   remove what was built           make distclean  remove .venv too
 #
-# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS (more arguments for pytest).
+# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS, BENCH_ARGS (more arguments for pytest, run.py).
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
@@ -64,9 +64,7 @@ format: $(STAMPS)/dev-tools
 	clang-format -i $(CPP_FILES)
 
 bench: $(STAMPS)/installed
-	cmake -S . -B $(BUILD_DIR) -DOCTOMARCH_BUILD_BENCHMARKS=ON
-	cmake --build $(BUILD_DIR)
-	$(BIN)/python benchmarks/run.py --build-dir $(BUILD_DIR)
+	$(BIN)/python benchmarks/run.py --build-dir $(BUILD_DIR) $(BENCH_ARGS)
 
 # The sanitizers' libraries must come before everything else in Python's process; its own leaks are not of interest.
 sanitize: $(STAMPS)/installed $(STAMPS)/dev-tools
@@ -106,7 +104,8 @@ $(STAMPS)/installed: $(STAMPS)/build-tools $(SOURCES)
 	  --config-settings=cmake.define.OCTOMARCH_WERROR=ON
 	touch $@
 
-$(STAMPS)/cpp-tests-built: $(STAMPS)/installed $(STAMPS)/dev-tools $(call tree,tests/cpp)
-	cmake -S . -B $(BUILD_DIR) -DOCTOMARCH_BUILD_TESTS=ON > $(BUILD_DIR)/configure.log
-	cmake --build $(BUILD_DIR) --target octomarch_tests
+# Benchmarks are compiled too, so that they do not rot.
+$(STAMPS)/cpp-tests-built: $(STAMPS)/installed $(STAMPS)/dev-tools $(call tree,tests/cpp benchmarks/cpp)
+	cmake -S . -B $(BUILD_DIR) -DOCTOMARCH_BUILD_TESTS=ON -DOCTOMARCH_BUILD_BENCHMARKS=ON > $(BUILD_DIR)/configure.log
+	cmake --build $(BUILD_DIR) --target octomarch_tests octomarch_bench
 	touch $@
