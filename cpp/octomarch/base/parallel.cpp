@@ -37,6 +37,25 @@ struct Shared {
   }
 };
 
+/// Starts the calling worker on a processor of its own where there are as many workers as processors: left to itself
+/// the kernel often begins two new threads on one, and moves them apart only after the few milliseconds that a small
+/// picture takes. The thread is not bound: it may move from then on.
+void spread_out([[maybe_unused]] std::size_t worker, [[maybe_unused]] std::size_t workers) {
+#ifdef __linux__
+  cpu_set_t allowed;
+  if (sched_getaffinity(0, sizeof allowed, &allowed) != 0) return;
+  if (workers == 1 || workers != static_cast<std::size_t>(CPU_COUNT(&allowed))) return;
+  std::size_t cpu = 0;
+  for (std::size_t to_skip = worker; cpu < CPU_SETSIZE; ++cpu) {
+    if (CPU_ISSET(cpu, &allowed) && to_skip-- == 0) break;
+  }
+  cpu_set_t one;
+  CPU_ZERO(&one);
+  CPU_SET(cpu, &one);
+  if (sched_setaffinity(0, sizeof one, &one) == 0) sched_setaffinity(0, sizeof allowed, &allowed);
+#endif
+}
+
 }  // namespace
 
 unsigned thread_count(unsigned threads) {
@@ -51,8 +70,10 @@ unsigned thread_count(unsigned threads) {
 void parallel_for(std::size_t tasks, unsigned threads,
                   const std::function<void(std::size_t, std::size_t, const bool&)>& body, const Listener& listener) {
   Shared shared;
+  const std::size_t count = std::min<std::size_t>(std::max(threads, 1U), tasks);
   const auto work = [&](std::size_t worker) {
     try {
+      spread_out(worker, count);
       for (;;) {
         const std::size_t task = shared.next.fetch_add(1, std::memory_order_relaxed);
         if (task >= tasks || is_set(shared.cancelled)) break;
@@ -68,7 +89,6 @@ void parallel_for(std::size_t tasks, unsigned threads,
   };
 
   std::vector<std::jthread> workers;
-  const std::size_t count = std::min<std::size_t>(std::max(threads, 1U), tasks);
   shared.running = count;
   for (std::size_t worker = 0; worker < count; ++worker) {
     try {
