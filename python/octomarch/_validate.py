@@ -37,6 +37,8 @@ def is_number(value: object) -> bool:
 
 def number(name: str, value: object) -> float:
     """Return a real number as float; NaN and infinities pass."""
+    if type(value) is float:  # by far the most frequent, and asking an abstract class is slow
+        return value
     if isinstance(value, np.ndarray) and value.ndim == 0:
         value = value[()]
     if is_number(value):
@@ -101,6 +103,8 @@ def sequence(name: str, value: object, what: str) -> list[Any]:
 
 def vector(name: str, value: object) -> Vec3:
     """Return three numbers; NaN and infinities pass."""
+    if type(value) is tuple and [type(item) for item in value] == [float, float, float]:
+        return value
     items = sequence(name, value, "three numbers")
     if len(items) != 3:
         raise ValueError(f"{name} must be three numbers, got {shown(value)}")

@@ -175,6 +175,12 @@ def axes(camera: AnyCamera) -> Basis:
 
 
 def _basis(eye: Vec3, target: Vec3, up: Vec3) -> Basis:
-    along = np.array(check.direction("view", np.subtract(target, eye)))
-    right = np.array(check.direction("up", np.cross(along, check.direction("up", up))))
-    return right + 0.0, np.cross(right, along) + 0.0, along + 0.0  # + 0 makes -0 plain 0
+    along = check.direction("view", (target[0] - eye[0], target[1] - eye[1], target[2] - eye[2]))
+    right = check.direction("up", _cross(along, check.direction("up", up)))
+    # + 0 makes -0 plain 0
+    return np.array(right) + 0.0, np.array(_cross(right, along)) + 0.0, np.array(along) + 0.0
+
+
+def _cross(a: Vec3, b: Vec3) -> Vec3:
+    """Return a × b; for three floats numpy's general way takes ten times as long."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

@@ -99,7 +99,7 @@ def render(
     elif not isinstance(camera, (Camera, OrthographicCamera)):
         raise TypeError(f"camera must be an om.Camera or om.OrthographicCamera, got {check.shown(camera)}")
     if isinstance(scene, Shape):
-        scene = lit_by_default(scene, camera)
+        scene = lit_by_default(scene, camera) if "color" in names else Scene(scene)
     march = march.resolve(program, camera._ray_origins((width, height)))
     shading = shading.resolve(program)
     with _reporting(progress) as report:
