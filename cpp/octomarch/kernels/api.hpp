@@ -16,8 +16,8 @@ namespace octomarch::kernels {
 
 constexpr std::size_t padded_lanes(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
-/// A tape as kernels see it. Its register file has kLanes numbers per register, aligned; marches, which keep two blocks
-/// going, need two files kFileGap rows apart, gradients one four times as large.
+/// A tape as kernels see it. Its register file has kLanes numbers per register, aligned; gradients need one four times as
+/// large, marches two files and kMarchRows rows more, in one piece.
 template <class Real>
 struct TapeView {
   const Instruction* code;
@@ -138,11 +138,11 @@ template <class Real>
 struct KernelTable {
   void (*camera_rays)(const CameraView<Real>&, const TileView&, const Vectors<Real>& out);
   /// Sphere tracing of any number of rays in refilled blocks.
-  void (*march)(const TapeView<Real>&, Real* registers, const RayView<Real>&, const MarchParameters<Real>&,
+  void (*march)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                 const MarchOutput<Real>&, Counters&);
   /// Visibility of each ray's far end: 0 where something is hit, else min over samples of k·r/t, at most 1
   /// (k = +inf: hard shadows). `visibility`: exactly `count` long.
-  void (*shadow)(const TapeView<Real>&, Real* registers, const RayView<Real>&, const MarchParameters<Real>&, Real k,
+  void (*shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&, Real k,
                  Real* visibility, Counters&);
   /// The tape's result at points; NaN at NaN points.
   void (*distance)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,

@@ -12,8 +12,11 @@ inline constexpr std::size_t kPackets = 8;                      ///< slots of a 
 inline constexpr std::size_t kLanes = kPackets * kPacketLanes;  ///< of a block, and of a register
 inline constexpr std::size_t kAlignment = 64;                   ///< bytes: one AVX-512 batch, one cache line
 
-/// Rows between the two register files of a march. Side by side, the same register of both lay a power of two apart for
-/// some programs, and loads waited for stores to the other: 12.8 ms instead of 11.3 for one scene of the benchmarks.
-inline constexpr std::size_t kFileGap = 1;
+/// Rows of kLanes that a march needs beside its two register files: five busy and five quiet ones for each of two blocks.
+/// All lie in one piece, the busy rows of both blocks and the files first: rows a multiple of 4 KiB apart make loads wait
+/// for stores that have nothing to do with them, and while a small program's busy rows fit into 4 KiB there are none. With
+/// files and state wherever the heap and the stack had them, equal runs differed by 20 % from process to process.
+inline constexpr std::size_t kBusyRows = 5;
+inline constexpr std::size_t kMarchRows = 4 * kBusyRows;
 
 }  // namespace octomarch::kernels

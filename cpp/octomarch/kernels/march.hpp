@@ -23,14 +23,17 @@ class Marcher {
   using T = Lanes<Real>;
 
  public:
-  Marcher(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays,
-          const MarchParameters<Real>& parameters, const Task& task, Counters& counters)
-      : tape_(tape), registers_(registers), rays_(rays), parameters_(parameters), task_(task), counters_(counters) {}
+  Marcher(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
+          const Task& task, Counters& counters)
+      : tape_(tape), memory_(memory), rays_(rays), parameters_(parameters), task_(task), counters_(counters) {}
 
   void run() {
     Block<Real> blocks[2];
-    open(blocks[0], registers_);
-    open(blocks[1], registers_ + (tape_.registers + kFileGap) * kLanes);
+    const std::size_t files = 2 * kBusyRows;
+    const std::size_t quiet = files + 2 * std::size_t{tape_.registers};
+    for (std::size_t i = 0; i < 2; ++i) {
+      open(blocks[i], row(i * kBusyRows), row(files + i * tape_.registers), row(quiet + i * kBusyRows));
+    }
     for (unsigned turn = 0; blocks[0].slots + blocks[1].slots > 0; turn ^= 1U) {
       if (__atomic_load_n(parameters_.cancelled, __ATOMIC_RELAXED)) return;
       if (blocks[turn].slots > 0) advance(blocks[turn]);
@@ -40,8 +43,13 @@ class Marcher {
   }
 
  private:
-  void open(Block<Real>& block, Real* registers) {
+  /// A row of the march's memory.
+  Real* row(std::size_t index) const { return memory_ + index * kLanes; }
+
+  void open(Block<Real>& block, Real* busy, Real* registers, Real* quiet) {
     block.registers = registers;
+    block.state = {busy,  busy + kLanes,  busy + 2 * kLanes,  busy + 3 * kLanes,  busy + 4 * kLanes,
+                   quiet, quiet + kLanes, quiet + 2 * kLanes, quiet + 3 * kLanes, quiet + 4 * kLanes};
     BlockState<Real>& state = block.state;
     set_block(state.ox, rays_.ox);
     set_block(state.oy, rays_.oy);
@@ -204,7 +212,7 @@ class Marcher {
   };
 
   const TapeView<Real> tape_;
-  Real* const registers_;
+  Real* const memory_;
   const RayView<Real> rays_;
   const MarchParameters<Real> parameters_;
   const Task task_;
@@ -215,23 +223,23 @@ class Marcher {
 };
 
 template <class Real>
-void march(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays,
-           const MarchParameters<Real>& parameters, const MarchOutput<Real>& out, Counters& counters) {
+void march(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
+           const MarchOutput<Real>& out, Counters& counters) {
   if (parameters.secant_finish) {
     using Task = HitTask<Real, true>;
-    Marcher<Real, Task>(tape, registers, rays, parameters, Task{out}, counters).run();
-    check_finish(tape, registers, rays, parameters, out, counters);
+    Marcher<Real, Task>(tape, memory, rays, parameters, Task{out}, counters).run();
+    check_finish(tape, memory, rays, parameters, out, counters);
   } else {
     using Task = HitTask<Real, false>;
-    Marcher<Real, Task>(tape, registers, rays, parameters, Task{out}, counters).run();
+    Marcher<Real, Task>(tape, memory, rays, parameters, Task{out}, counters).run();
   }
 }
 
 template <class Real>
-void shadow(const TapeView<Real>& tape, Real* registers, const RayView<Real>& rays,
+void shadow(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays,
             const MarchParameters<Real>& parameters, Real k, Real* visibility, Counters& counters) {
   const ShadowTask<Real> task{visibility, Lanes<Real>(k)};
-  Marcher<Real, ShadowTask<Real>>(tape, registers, rays, parameters, task, counters).run();
+  Marcher<Real, ShadowTask<Real>>(tape, memory, rays, parameters, task, counters).run();
 }
 
 }  // namespace octomarch::kernels::OCTOMARCH_ISA

@@ -9,25 +9,27 @@
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
 
-/// State of the rays in a block, one row of kLanes per quantity.
+/// State of the rays in a block, one row of kLanes per quantity, in the memory of a march (see kMarchRows).
 template <class Real>
 struct BlockState {
-  alignas(kAlignment) Real ox[kLanes];
-  alignas(kAlignment) Real oy[kLanes];
-  alignas(kAlignment) Real oz[kLanes];
-  alignas(kAlignment) Real dx[kLanes];
-  alignas(kAlignment) Real dy[kLanes];
-  alignas(kAlignment) Real dz[kLanes];
-  alignas(kAlignment) Real t[kLanes];
-  alignas(kAlignment) Real t_max[kLanes];
-  alignas(kAlignment) Real epsilon[kLanes];
-  alignas(kAlignment) Real carried[kLanes];  ///< what the task remembers: the last accepted r, or a visibility
+  // read or written at every step
+  Real* dx;
+  Real* dy;
+  Real* dz;
+  Real* t;
+  Real* carried;  ///< what the task remembers: the last accepted r, or a visibility
+  // often one value for all rays, and then only written
+  Real* ox;
+  Real* oy;
+  Real* oz;
+  Real* t_max;
+  Real* epsilon;
 };
 
 /// A block: its rays, and for each of its packets which rays they are and when they came.
 template <class Real>
 struct Block {
-  BlockState<Real> state{};
+  BlockState<Real> state;
   std::size_t first_ray[kPackets] = {};
   std::int64_t start[kPackets] = {};                                 ///< value of `step` at which each packet came
   std::int64_t step = 0;                                             ///< steps made so far

@@ -34,7 +34,8 @@ void raycast(const NodePtr& root, std::span<const double> origins, std::span<con
   Evaluator<T> field(root, poll);
   for (std::size_t i = 0; i < hits.t.size(); ++i) {
     const Vec3 direction = triple(directions, i);
-    const double norm = length(direction);
+    // a length beyond the numbers would make a miss NaN
+    const double norm = std::min(length(direction), std::numeric_limits<double>::max());
     const bool valid = is_finite(direction) && norm > 0.0;
     const Ray<T> ray{vector<T>(triple(origins, i)), vector<T>(valid ? normalized(direction) : Vec3{})};
     MarchLimits<T> limits(march, lipschitz);

@@ -60,10 +60,16 @@ kernels::TapeView<Real> view(const Tape& tape) {
   return {tape.code.data(), tape.code.size(), constants, tape.registers, tape.result};
 }
 
-/// Register files of a tape: 1 for values, 2 for marches, 4 for gradients (see kernels::TapeView).
+/// Register file of a tape; `components`: 1 for values, 4 for gradients.
 template <class Real>
-Buffer<Real> register_file(const Tape& tape, std::size_t files) {
-  return Buffer<Real>((tape.registers + kernels::kFileGap) * kernels::kLanes * files);
+Buffer<Real> register_file(const Tape& tape, std::size_t components) {
+  return Buffer<Real>(std::size_t{tape.registers} * kernels::kLanes * components);
+}
+
+/// Memory for marches of a tape; it serves as a register file for values too.
+template <class Real>
+Buffer<Real> march_memory(const Tape& tape) {
+  return Buffer<Real>((2 * std::size_t{tape.registers} + kernels::kMarchRows) * kernels::kLanes);
 }
 
 /// A double as Real, no farther out than the largest finite number.

@@ -49,9 +49,9 @@ void Illumination<Real>::set_materials(const SurfacePass<Real>& surface) {
         several ? static_cast<std::size_t>(attributes.objects[static_cast<std::size_t>(surface.object(i))].material)
                 : 0;
     const Material& material = attributes.materials[index];
-    albedo_.x[i] = static_cast<Real>(material.color.x);
-    albedo_.y[i] = static_cast<Real>(material.color.y);
-    albedo_.z[i] = static_cast<Real>(material.color.z);
+    albedo_.x[i] = clamped<Real>(material.color.x);
+    albedo_.y[i] = clamped<Real>(material.color.y);
+    albedo_.z[i] = clamped<Real>(material.color.z);
     diffuse_[i] = static_cast<Real>(1.0 - material.metallic);
     specular_[i] = static_cast<Real>(material.specular);
     metallic_[i] = static_cast<Real>(material.metallic);
@@ -72,9 +72,9 @@ void Illumination<Real>::add_ambient(SurfacePass<Real>& surface, RenderStats& st
     std::fill_n(ambient_.data(), surface.count(), Real(1));
   }
   for (std::size_t i = 0; i < surface.count(); ++i) {
-    color_.x[i] = static_cast<Real>(ambient.x) * ambient_[i] * albedo_.x[i];
-    color_.y[i] = static_cast<Real>(ambient.y) * ambient_[i] * albedo_.y[i];
-    color_.z[i] = static_cast<Real>(ambient.z) * ambient_[i] * albedo_.z[i];
+    color_.x[i] = clamped<Real>(ambient.x) * ambient_[i] * albedo_.x[i];
+    color_.y[i] = clamped<Real>(ambient.y) * ambient_[i] * albedo_.y[i];
+    color_.z[i] = clamped<Real>(ambient.z) * ambient_[i] * albedo_.z[i];
   }
 }
 
@@ -82,7 +82,8 @@ template <class Real>
 kernels::LightView<Real> Illumination<Real>::light_view(const Light& light) const {
   const bool directional = light.kind == LightKind::kDirectional;
   const Vec3 vector = directional ? light.vector * -1.0 : light.vector;
-  const auto real = [](double value) { return static_cast<Real>(value); };
+  // an infinity times the zero of a surface in shadow would be NaN
+  const auto real = [](double value) { return clamped<Real>(value); };
   return {directional,
           {real(vector.x), real(vector.y), real(vector.z)},
           {real(light.color.x), real(light.color.y), real(light.color.z)},

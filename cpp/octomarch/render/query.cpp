@@ -83,7 +83,8 @@ void set_rays(RayScratch<Real>& s, const double* origins, const double* directio
     const Vec3 o{origins[3 * i], origins[3 * i + 1], origins[3 * i + 2]};
     const bool usable = is_finite(d) && !(d == Vec3{});
     const Vec3 unit = usable ? normalized(d) : Vec3{kNan, kNan, kNan};
-    s.length[i] = usable ? length(d) : 1.0;
+    // a length beyond the numbers would make a miss NaN
+    s.length[i] = usable ? std::min(length(d), std::numeric_limits<double>::max()) : 1.0;
     s.batch.direction.x[i] = static_cast<Real>(unit.x);
     s.batch.direction.y[i] = static_cast<Real>(unit.y);
     s.batch.direction.z[i] = static_cast<Real>(unit.z);
@@ -150,8 +151,7 @@ void query_gradient(const Program& program, const double* points, std::size_t co
     how.isa->table<Real>().gradient(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
                                     s.out.view());
     for (std::size_t i = 0; i < n; ++i) {
-      const Real sum = s.points.x[i] + s.points.y[i] + s.points.z[i];
-      const bool is_nan = sum != sum;
+      const bool is_nan = std::isnan(s.points.x[i]) || std::isnan(s.points.y[i]) || std::isnan(s.points.z[i]);
       const Real nan = std::numeric_limits<Real>::quiet_NaN();
       out[3 * (first + i)] = is_nan ? nan : s.out.x[i];
       out[3 * (first + i) + 1] = is_nan ? nan : s.out.y[i];

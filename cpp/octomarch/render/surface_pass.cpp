@@ -13,7 +13,7 @@ SurfacePass<Real>::SurfacePass(const Program& program, const kernels::KernelTabl
       program_(program),
       kernels_(kernels),
       object_(size),
-      registers_(register_file<Real>(program.distance(), 2)) {
+      registers_(march_memory<Real>(program.distance())) {
   ray_.reserve(size);
   status_.reserve(size);
 }

@@ -86,7 +86,7 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& pla
       grid_(grid),
       frame_(frame(picture.camera, picture.width, picture.height)),
       batch_(kernels::padded_lanes(grid.rays())),
-      registers_(register_file<Real>(picture.program->distance(), 2)) {
+      registers_(march_memory<Real>(picture.program->distance())) {
   const bool surfaces = planes.color || planes.position || planes.normal || planes.object_id || planes.material_id;
   if (surfaces) surface_.emplace(*picture.program, kernels, batch_.t.size());
   if (planes.color) illumination_.emplace(picture, kernels, batch_.t.size());
