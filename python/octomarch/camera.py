@@ -152,7 +152,10 @@ def framing(program: Program, size: tuple[int, int]) -> Camera:
 def _look_at(camera: AnyCamera, eye: VectorLike, target: VectorLike, up: VectorLike) -> None:
     """Set eye, target and up of a camera, which must span a frame."""
     position, aim, above = check.point("eye", eye), check.point("target", target), check.point("up", up)
-    view = np.subtract(aim, position)
+    with np.errstate(over="ignore"):
+        view = np.subtract(aim, position)
+    if not np.isfinite(view).all():
+        raise ValueError(f"target must lie at a finite distance from eye, got {check.shown((target, eye))}")
     if not view.any():
         raise ValueError(f"target must differ from eye, got {check.shown(target)} for both")
     check.direction("up", above)

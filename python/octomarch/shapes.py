@@ -128,8 +128,10 @@ class Shape(Field):
         """
         if check.is_number(x):
             offset = (check.number("x", x), check.number("y", y), check.number("z", z))
-        else:
+        elif check.is_number(y) and check.is_number(z) and y == z == 0:
             offset = check.vector("offset", x)
+        else:
+            raise TypeError(f"offset must be one vector or three numbers, got {check.shown((x, y, z))}")
         return Shape(_core.translate(self._node, offset))
 
     def rotate(self, degrees: float, axis: AxisLike = "y") -> Shape:
