@@ -69,6 +69,15 @@ def test_rays_that_are_none_are_invalid(origin, direction):
     assert BALL.raycast(origin, direction).status == om.Status.INVALID
 
 
+@pytest.mark.parametrize("raycast", [om.Shape.raycast, om.reference.raycast])
+def test_directions_of_any_length_give_no_nan(raycast):
+    longest = [-np.finfo(float).max] * 3
+    hits = raycast(BALL, [[3, 3, 3], [3, 3, -3]], longest)
+    assert_array_equal(hits.status, [om.Status.HIT, om.Status.MISS])
+    assert hits.t[0] < 1e-300
+    assert hits.t[1] == np.inf
+
+
 def test_rays_from_inside_say_so():
     hits = BALL.raycast([0, 0, 0], [0, 0, 1])
     assert hits.status == om.Status.INSIDE

@@ -1,5 +1,8 @@
 #include "octomarch/render/query.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <optional>
 #include <vector>
 
