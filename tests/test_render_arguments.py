@@ -174,3 +174,11 @@ def test_unknown_isa_in_the_environment_is_refused(monkeypatch):
     monkeypatch.setenv("OCTOMARCH_ISA", "mmx")
     with pytest.raises(ValueError, match="mmx"):
         om.render(BALL, CAMERA, SMALL)
+
+
+@pytest.mark.parametrize("light", [om.DirectionalLight((0, -1, 0), 1e39), om.PointLight((0, 1e39, 0)), None], ids=repr)
+@pytest.mark.parametrize("color", [0.5, (1e39, 0.0, 1.0)], ids=str)
+def test_values_beyond_float32_give_no_nan(light, color):
+    shape = BALL.paint(om.Material(color=color)) | om.plane(point=(0, -1, 0)).paint(om.Material(color=0.0))
+    scene = om.Scene(shape, ambient=1e39, lights=[] if light is None else [light])
+    assert not np.isnan(om.render(scene, CAMERA, SMALL).color).any()
