@@ -49,7 +49,8 @@ class Image:
     """
 
     color: Floats
-    """Linear RGB (height, width, 3)."""
+    """Linear RGB (height, width, 3). Rays that start inside are black, and so are invalid ones; a ray that ran out of
+    steps over a surface that faces away shows the sky."""
     depth: Floats
     """Distance along the ray (height, width) in scene units; +inf where nothing is met."""
     position: Floats
@@ -70,7 +71,6 @@ class Image:
     """(width, height)."""
     stats: dict[str, Any]
     """Rays, evaluations, packets, occupancy, seconds per stage."""
-    """Scene, camera, settings and version that made the picture."""
 
     def __init__(
         self,

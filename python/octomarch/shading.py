@@ -28,7 +28,8 @@ class Shading:
     shadow_k : float
         Sharpness of soft shadows, > 0: 2 is very soft, 32 a good value, 128 nearly hard.
     occlusion : int
-        Samples of the field along the normal for ambient occlusion, 0 (none) to 64.
+        Samples of the field along the normal for ambient occlusion, 0 (none) to 64. Sample i of n stands at
+        ``occlusion_distance * (i / n)**2`` and weighs 2⁻ⁱ.
     occlusion_distance : float, optional
         Of the farthest of these samples in scene units, > 0. None: 5 % of the scene's size.
 
