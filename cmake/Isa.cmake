@@ -13,9 +13,6 @@ if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_L
   # GCC 12 takes its own AVX-512 intrinsics for uninitialised: https://gcc.gnu.org/bugzilla/show_bug.cgi?id=105593
   list(APPEND isa_flags_avx512 -Wno-uninitialized -Wno-maybe-uninitialized)
 endif()
-if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
-  list(APPEND isa_flags_avx512 -Wno-uninitialized)  # the intrinsics' own headers (see CompileOptions.cmake)
-endif()
 
 if(CMAKE_SYSTEM_PROCESSOR MATCHES "^(x86_64|AMD64|amd64)$")
   set(isa_candidates scalar sse2 avx2 avx512)

@@ -164,7 +164,7 @@ def test_bad_arguments_are_refused(arguments, error, message):
 
 @pytest.mark.parametrize("scene", [3, None, "sphere", om.Material()], ids=repr)
 def test_only_shapes_and_scenes_are_rendered(scene):
-    with pytest.raises(TypeError, match=r"shape must be an om\.Shape or om\.Scene, got"):
+    with pytest.raises(TypeError, match=r"scene must be an om\.Shape or om\.Scene, got"):
         om.render(scene)
     with pytest.raises(TypeError, match=r"shape must be an om\.Shape or om\.Scene, got"):
         om.compile(scene)

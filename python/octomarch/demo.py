@@ -64,7 +64,7 @@ def blend() -> Demo:
         sky=Sky(toward=(0.02, 0.12, 0.30), away=0.02, base=(0.60, 0.64, 0.68)),
         ambient=(0.17, 0.19, 0.22),
         lights=[
-            DirectionalLight(direction=(0.7, -1.0, -0.5), color=(0.95, 0.88, 0.78)),
+            DirectionalLight(direction=(0.45, -1.0, -0.6), color=(0.95, 0.88, 0.78)),
             PointLight(position=(9, 5, 8), color=(16, 20, 26)),
         ],
     )

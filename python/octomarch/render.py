@@ -93,6 +93,8 @@ def render(
     names = check.planes(planes, tuple(PLANES))
     options = check.precision(precision), check.threads(threads), check.isa(isa)
     march, shading = _or_default(March, "march", march), _or_default(Shading, "shading", shading)
+    if not isinstance(scene, (Shape, Scene)):
+        raise TypeError(f"scene must be an om.Shape or om.Scene, got {check.shown(scene)}")
     program = compile(scene)
     if camera is None:
         camera = framing(program, (width, height))

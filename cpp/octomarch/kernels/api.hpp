@@ -158,9 +158,9 @@ struct KernelTable {
   /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, where a ray grazes an edge
   /// within the hit epsilon, is turned until it is square to the ray.
   void (*face_rays)(const SurfaceView<Real>&);
-  /// Ambient visibility from `samples` points along the normal, up to `distance` away.
+  /// Ambient visibility from `samples` points along the normal, up to `distance` away. `cancelled` is polled at each.
   void (*occlusion)(const TapeView<Real>&, Real* registers, const SurfaceView<Real>&, int samples, Real distance,
-                    Real* out);
+                    const bool* cancelled, Real* out);
   void (*light_samples)(const SurfaceView<Real>&, const LightView<Real>&, const LightSamples<Real>&);
   /// color += visibility·irradiance·(Lambert + Phong).
   void (*add_light)(const SurfaceView<Real>&, const LightView<Real>&, const LightSamples<Real>&,

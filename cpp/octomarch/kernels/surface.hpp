@@ -146,7 +146,7 @@ void face_rays(const SurfaceView<Real>& surface) {
 /// Heights grow with the square of the sample's number: near contact the first samples decide, and there they are dense.
 template <class Real>
 void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Real>& surface, int samples,
-               Real distance, Real* out) {
+               Real distance, const bool* cancelled, Real* out) {
   using T = Lanes<Real>;
   alignas(kAlignment) Real missing[kLanes];
   for (std::size_t first = 0; first < surface.count; first += kLanes) {
@@ -155,6 +155,7 @@ void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Re
     Real weight = 1;
     Real expected = 0;
     for (int sample = 1; sample <= samples; ++sample) {
+      if (__atomic_load_n(cancelled, __ATOMIC_RELAXED)) return;
       weight *= Real(0.5);
       const Real share = Real(sample) / Real(samples);
       const Real height = distance * share * share;

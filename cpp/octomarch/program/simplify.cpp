@@ -3,11 +3,15 @@
 #include <bit>
 #include <cstring>
 
+#include "octomarch/base/error.hpp"
 #include "octomarch/program/dataflow.hpp"
 
 namespace octomarch {
 
 namespace {
+
+/// A few nodes that each place the one before twice make exponentially many places; this is where that ends.
+constexpr std::size_t kMaxOperations = std::size_t{1} << 21U;
 
 void mix(std::uint64_t& hash, std::uint64_t word) {
   hash = (hash ^ word) * 0x9E3779B97F4A7C15ULL;  // golden-ratio multiplier; the xor below feeds high bits back
@@ -83,6 +87,10 @@ ValueId DataFlow::share(Opcode op, const std::array<ValueId, kMaxInputs>& in, st
     }
   }
 
+  if (operations_.size() == kMaxOperations) {
+    throw SceneError(
+        "shape needs more than 2097152 instructions: a shared part is compiled anew at each of its places");
+  }
   const auto index = static_cast<std::uint32_t>(operations_.size());
   const auto first_output = static_cast<ValueId>(owner_.size());
   operations_.push_back({op, in, static_cast<std::uint32_t>(constants_.size()), first_output});

@@ -55,7 +55,7 @@ Vector<T> Shader<T>::lit(const Ray<T>& ray, const Arrival<T>& arrival, const Sur
     const Beam beam = beam_of(light, origin);
     const T cosine = glm::dot(normal, beam.toward_light);
     if (!(cosine > T(0))) continue;
-    const T visible = visibility(origin, beam, epsilon);
+    const T visible = visibility(origin, beam);
     const Vector<T> reflected = normal * (T(2) * cosine) - beam.toward_light;
     const T phong = std::pow(positive(glm::dot(reflected, -ray.direction)), exponent);
     color += beam.irradiance * visible * (albedo * ((T(1) - metallic) * cosine) + highlight * phong);
@@ -89,13 +89,14 @@ T Shader<T>::ambient_occlusion(const Vector<T>& origin, const Vector<T>& normal)
 
 /// 0 behind something, 1 in free view of the light; in between, for soft shadows, the smallest k·(distance / way).
 template <class T>
-T Shader<T>::visibility(const Vector<T>& origin, const Beam& beam, T epsilon) const {
+T Shader<T>::visibility(const Vector<T>& origin, const Beam& beam) const {
   if (shading_.shadows == Shadows::kNone) return T(1);
+  const Ray<T> ray{.origin = origin, .direction = beam.toward_light};  // without a pixel's footprint
   T openness = T(1);
   T t = T(0);
   for (int step = 0; step < limits_.max_steps && t <= beam.distance; ++step) {
     const T radius = field_.distance(origin + beam.toward_light * t) / limits_.lipschitz;
-    if (radius <= std::max(epsilon, T(16) * kUnitRoundoff<T> * t)) return T(0);
+    if (radius <= limits_.hit_epsilon(ray, t)) return T(0);
     if (shading_.shadows == Shadows::kSoft && t > T(0)) {
       openness = std::min(openness, T(shading_.shadow_k) * radius / t);
     }

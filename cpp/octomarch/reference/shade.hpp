@@ -27,7 +27,7 @@ class Shader {
   Vector<T> lit(const Ray<T>& ray, const Arrival<T>& arrival, const Surface<T>& surface) const;
   Beam beam_of(const Light& light, const Vector<T>& origin) const;
   T ambient_occlusion(const Vector<T>& origin, const Vector<T>& normal) const;
-  T visibility(const Vector<T>& origin, const Beam& beam, T epsilon) const;
+  T visibility(const Vector<T>& origin, const Beam& beam) const;
 
   Evaluator<T>& field_;
   const Scene& scene_;

@@ -29,7 +29,7 @@ template <class Real>
 void Illumination<Real>::run(SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
   kernels_.face_rays(surface.view());
   set_materials(surface);
-  add_ambient(surface, stats);
+  add_ambient(surface, cancelled, stats);
   for (const Light& light : picture_.scene->lights) {
     if (is_set(cancelled)) return;
     const kernels::LightView<Real> view = light_view(light);
@@ -60,13 +60,13 @@ void Illumination<Real>::set_materials(const SurfacePass<Real>& surface) {
 }
 
 template <class Real>
-void Illumination<Real>::add_ambient(SurfacePass<Real>& surface, RenderStats& stats) {
+void Illumination<Real>::add_ambient(SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
   const Shading& shading = picture_.shading;
   const Vec3& ambient = picture_.scene->ambient;
   const bool dark = ambient == Vec3{};
   if (shading.occlusion > 0 && !dark) {
     kernels_.occlusion(view<Real>(picture_.program->distance()), surface.registers(), surface.view(), shading.occlusion,
-                       clamped<Real>(shading.occlusion_distance), ambient_.data());
+                       clamped<Real>(shading.occlusion_distance), &cancelled, ambient_.data());
     stats.occlusion_evaluations += surface.count() * static_cast<std::uint64_t>(shading.occlusion);
   } else {
     std::fill_n(ambient_.data(), surface.count(), Real(1));
@@ -106,7 +106,10 @@ void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& l
     shadow_direction_.y[k] = toward_.y[i];
     shadow_direction_.z[k] = toward_.z[i];
     shadow_distance_[k] = distance_[i];
-    shadow_epsilon_[k] = surface.epsilon[i];
+    // no pixel footprint: in a corner the other wall is often nearer than that, and would cast a shadow
+    const Real reach =
+        std::max({std::fabs(surface.origin.x[i]), std::fabs(surface.origin.y[i]), std::fabs(surface.origin.z[i])});
+    shadow_epsilon_[k] = std::max(clamped<Real>(picture_.march.epsilon), kUlpFloor<Real> * reach);
   }
 
   kernels::RayView<Real> rays{};

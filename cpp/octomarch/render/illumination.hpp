@@ -21,7 +21,7 @@ class Illumination {
 
  private:
   void set_materials(const SurfacePass<Real>& surface);
-  void add_ambient(SurfacePass<Real>& surface, RenderStats& stats);
+  void add_ambient(SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats);
   void cast_shadows(SurfacePass<Real>& surface, const Light& light, const bool& cancelled, RenderStats& stats);
 
   kernels::LightView<Real> light_view(const Light& light) const;
