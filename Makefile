@@ -25,6 +25,7 @@ export CMAKE_BUILD_PARALLEL_LEVEL ?= $(shell nproc)
 # Clones in different places share what ccache keeps.
 export CCACHE_BASEDIR ?= $(CURDIR)
 export CCACHE_NOHASHDIR ?= 1
+SYSTEM_PATH := $(PATH)
 export PATH := $(CURDIR)/$(BIN):$(PATH)
 
 # Directories are listed too: adding or removing a file changes theirs.
@@ -39,8 +40,8 @@ build: $(STAMPS)/installed
 
 # pytest comes last, so that its summary is the last thing seen.
 test: $(STAMPS)/installed $(STAMPS)/dev-tools
-	$(MAKE) --no-print-directory lint
-	$(MAKE) --no-print-directory check-cpp
+	@$(MAKE) --no-print-directory lint
+	@$(MAKE) --no-print-directory check-cpp
 	OCTOMARCH_BUILD_DIR=$(BUILD_DIR) $(BIN)/python -m pytest $(PYTEST_ARGS)
 
 lint: check-python check-cpp-style
@@ -52,7 +53,8 @@ check-python: $(STAMPS)/installed $(STAMPS)/dev-tools
 	python -m mypy.stubtest --concise --ignore-missing-stub --ignore-unused-allowlist --allowlist tools/stubtest_allowlist.txt octomarch._core
 
 check-cpp-style: $(STAMPS)/dev-tools $(STAMPS)/cpp-tests-built
-	clang-format --dry-run -Werror $(CPP_FILES)
+	@echo clang-format --dry-run -Werror cpp tests/cpp benchmarks
+	@clang-format --dry-run -Werror $(CPP_FILES)
 	python tools/clang_tidy.py $(BUILD_DIR)
 
 check-cpp: $(STAMPS)/cpp-tests-built
@@ -84,28 +86,33 @@ distclean: clean
 	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis
 
 $(STAMPS)/venv:
-	tools/setup.sh "$(PYTHON)" build
-	mkdir -p $(STAMPS) && touch $@
+	@echo "== Preparing the machine and .venv"
+	@PATH="$(SYSTEM_PATH)" tools/setup.sh "$(PYTHON)" build
+	@mkdir -p $(STAMPS) && touch $@
 
 # Build requirements live in .venv, and the build directory stays: an incremental build only compiles what changed.
 $(STAMPS)/build-tools: pyproject.toml tools/requirements.py | $(STAMPS)/venv
-	$(BIN)/python tools/requirements.py build > $@.txt
-	$(PIP) install --quiet --requirement $@.txt
-	touch $@
+	@echo "== Installing what the build needs into .venv"
+	@$(BIN)/python tools/requirements.py build > $@.txt
+	@$(PIP) install --quiet --requirement $@.txt
+	@touch $@
 
 $(STAMPS)/dev-tools: pyproject.toml tools/requirements.py | $(STAMPS)/venv
-	tools/setup.sh "$(PYTHON)" test
-	$(BIN)/python tools/requirements.py dev > $@.txt
-	$(PIP) install --quiet --requirement $@.txt
-	touch $@
+	@echo "== Installing what tests and linters need into .venv"
+	@PATH="$(SYSTEM_PATH)" tools/setup.sh "$(PYTHON)" test
+	@$(BIN)/python tools/requirements.py dev > $@.txt
+	@$(PIP) install --quiet --requirement $@.txt
+	@touch $@
 
 $(STAMPS)/installed: $(STAMPS)/build-tools $(SOURCES)
-	$(PIP) install --quiet --no-build-isolation . --config-settings=build-dir=$(BUILD_DIR) \
+	@echo "== Building octomarch and installing it into .venv"
+	@$(PIP) install --quiet --no-build-isolation . --config-settings=build-dir=$(BUILD_DIR) \
 	  --config-settings=cmake.define.OCTOMARCH_WERROR=ON
-	touch $@
+	@touch $@
 
 # Benchmarks are compiled too, so that they do not rot.
 $(STAMPS)/cpp-tests-built: $(STAMPS)/installed $(STAMPS)/dev-tools $(call tree,tests/cpp benchmarks/cpp)
-	cmake -S . -B $(BUILD_DIR) -DOCTOMARCH_BUILD_TESTS=ON -DOCTOMARCH_BUILD_BENCHMARKS=ON > $(BUILD_DIR)/configure.log
-	cmake --build $(BUILD_DIR) --target octomarch_tests octomarch_bench
-	touch $@
+	@echo "== Building the C++ tests and benchmarks"
+	@cmake -S . -B $(BUILD_DIR) -DOCTOMARCH_BUILD_TESTS=ON -DOCTOMARCH_BUILD_BENCHMARKS=ON > $(BUILD_DIR)/configure.log
+	@cmake --build $(BUILD_DIR) --target octomarch_tests octomarch_bench
+	@touch $@
