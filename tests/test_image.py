@@ -1,6 +1,7 @@
 """Images check what they hold, say how to get what they lack, and show linear colours as sRGB."""
 
 import io
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -98,3 +99,10 @@ def test_bad_planes_are_refused(planes: dict, error: type[Exception], message: s
 def test_unknown_suffix_is_refused(path: str):
     with pytest.raises(ValueError, match=r"path must end in \.exr or \.png, got"):
         om.Image({"depth": np.ones((2, 2))}).save(path)
+
+
+def test_rendered_images_can_be_pickled():
+    image = om.render(om.sphere(1.0), size=(8, 6), planes=("depth",))
+    copy = pickle.loads(pickle.dumps(image))
+    np.testing.assert_array_equal(copy.depth, image.depth)
+    assert copy.metadata == image.metadata

@@ -99,6 +99,9 @@ class Image:
             self._metadata = dict(described or {})
         return self._metadata
 
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_metadata": self.metadata}  # described now: what describes it cannot travel
+
     def __getattr__(self, name: str) -> Never:
         if name in PLANES:
             raise AttributeError(f"{name} was not rendered: add {name!r} to planes=... of om.render()")

@@ -46,7 +46,7 @@ T log2(const T& x) {
   return exponent + s * sum * T(Real(2.8853900817779268));  // 2/ln 2
 }
 
-/// 2ˣ. Below the normal numbers the result is 0, above them +inf. x = n + f with |f| ≤ ½, and 2ᶠ from the series of
+/// 2ˣ. Below 2⁻¹²⁶ (2⁻¹⁰²²) the result is 0, above 2¹²⁷ (2¹⁰²³) +inf. x = n + f with |f| ≤ ½, and 2ᶠ from the series of
 /// exp(f·ln 2), cut where the rest is below half an ulp.
 template <class T>
 T exp2(const T& x) {
@@ -65,7 +65,7 @@ T exp2(const T& x) {
 
   const T power = T::from_bits((whole + T(kMagic + Real(Ieee<Real>::kBias))).bits() << kShift);
   const T finite = select(x < T(kLowest), T(Real(0)), sum * power);
-  return select(x > T(kHighest + Real(0.5)), T(std::numeric_limits<Real>::infinity()), finite);
+  return select(x > T(kHighest), T(std::numeric_limits<Real>::infinity()), finite);
 }
 
 /// xʸ for x ≥ 0 and y > 0, with 0ʸ = 0 (numbers below the normal ones count as 0).

@@ -15,15 +15,20 @@ namespace {
 /// Points or rays per task: enough to keep blocks full, few enough that a cancelled query ends soon.
 std::size_t chunk_size(const Program& program) { return program.distance().code.size() < 1000 ? 4096 : 512; }
 
-/// Runs body(first, count, worker, cancelled) over [0, count) in chunks; one chunk of a small program stays on the
-/// calling thread, where starting another would cost more.
+/// Runs body(first, count, worker, cancelled) over [0, count) in chunks. One chunk of little work stays on the calling
+/// thread, where starting another would cost more; `evaluations`: of each item, at the most.
 template <class Body>
-void for_each_chunk(const Program& program, std::size_t count, const Execution& how, Body&& body) {
+void for_each_chunk(const Program& program, std::size_t count, std::size_t evaluations, const Execution& how,
+                    Body&& body) {
+  constexpr double kLittle = 5e8;  // instructions of a lane: under a tenth of a second
   const std::size_t chunk = chunk_size(program);
   const std::size_t tasks = (count + chunk - 1) / chunk;
-  if (tasks <= 1 && program.distance().code.size() < 1000) {
+  if (tasks == 0) return;
+  const double work = static_cast<double>(count) * static_cast<double>(evaluations) *
+                      static_cast<double>(program.distance().code.size());
+  if (tasks == 1 && work < kLittle) {
     const bool never = false;
-    if (tasks == 1) body(std::size_t{0}, count, std::size_t{0}, never);
+    body(std::size_t{0}, count, std::size_t{0}, never);
     return;
   }
   parallel_for(
@@ -136,7 +141,7 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
 template <class Real>
 void query_distance(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool&) {
+  for_each_chunk(program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool&) {
     auto& s = scratch_of(scratch, worker, program, std::size_t{1}, chunk_size(program));
     split(points + 3 * first, n, s.points);
     how.isa->table<Real>().distance(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
@@ -148,7 +153,7 @@ void query_distance(const Program& program, const double* points, std::size_t co
 template <class Real>
 void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool&) {
+  for_each_chunk(program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool&) {
     auto& s = scratch_of(scratch, worker, program, std::size_t{4}, chunk_size(program));
     split(points + 3 * first, n, s.points);
     how.isa->table<Real>().gradient(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
@@ -168,28 +173,34 @@ void query_rays(const Program& program, const double* origins, const double* dir
                 const March& march, double t_max, const Hits<Real>& out, const Execution& how) {
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-    auto& s = scratch_of(scratch, worker, program, kernels, chunk_size(program));
-    set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
-    const RayColumns<Real> columns{
-        column(s.batch.origin.x),    column(s.batch.origin.y),    column(s.batch.origin.z), column(s.batch.direction.x),
-        column(s.batch.direction.y), column(s.batch.direction.z), kUlpFloor<Real>};
-    const kernels::RayView<Real> rays{columns.ox, columns.oy,      columns.oz,        columns.dx, columns.dy,
-                                      columns.dz, column(s.t_max), column(s.epsilon), n};
-    const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / program.lipschitz()), kUlpFloor<Real>,
-                                                    march.max_steps, march.secant_finish, &cancelled};
-    const kernels::MarchOutput<Real> found{s.batch.t.data(), s.batch.unfinished.data(), s.batch.status.data(),
-                                           out.steps ? out.steps + first : nullptr};
-    kernels::Counters counters;
-    kernels.march(view<Real>(program.distance()), s.surface.registers(), rays, parameters, found, counters);
-    for (std::size_t i = 0; i < n; ++i) {
-      out.t[first + i] = static_cast<Real>(static_cast<double>(s.batch.t[i]) / s.length[i]);
-    }
-    if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
-    if (out.position || out.normal || out.object_id || out.material_id) {
-      write_surfaces(s, program, first, n, columns, out);
-    }
-  });
+  for_each_chunk(
+      program, count, static_cast<std::size_t>(march.max_steps), how,
+      [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+        auto& s = scratch_of(scratch, worker, program, kernels, chunk_size(program));
+        set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
+        const RayColumns<Real> columns{column(s.batch.origin.x),
+                                       column(s.batch.origin.y),
+                                       column(s.batch.origin.z),
+                                       column(s.batch.direction.x),
+                                       column(s.batch.direction.y),
+                                       column(s.batch.direction.z),
+                                       kUlpFloor<Real>};
+        const kernels::RayView<Real> rays{columns.ox, columns.oy,      columns.oz,        columns.dx, columns.dy,
+                                          columns.dz, column(s.t_max), column(s.epsilon), n};
+        const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / program.lipschitz()), kUlpFloor<Real>,
+                                                        march.max_steps, march.secant_finish, &cancelled};
+        const kernels::MarchOutput<Real> found{s.batch.t.data(), s.batch.unfinished.data(), s.batch.status.data(),
+                                               out.steps ? out.steps + first : nullptr};
+        kernels::Counters counters;
+        kernels.march(view<Real>(program.distance()), s.surface.registers(), rays, parameters, found, counters);
+        for (std::size_t i = 0; i < n; ++i) {
+          out.t[first + i] = static_cast<Real>(static_cast<double>(s.batch.t[i]) / s.length[i]);
+        }
+        if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
+        if (out.position || out.normal || out.object_id || out.material_id) {
+          write_surfaces(s, program, first, n, columns, out);
+        }
+      });
 }
 
 template void query_distance(const Program&, const double*, std::size_t, float*, const Execution&);

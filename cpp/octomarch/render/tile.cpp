@@ -157,7 +157,7 @@ void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancel
   const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / picture_.program->lipschitz()),
                                                   columns_.epsilon_slope, picture_.march.max_steps,
                                                   picture_.march.secant_finish, &cancelled};
-  const bool needs_status = planes_.status || surface_ || planes_.color;
+  const bool needs_status = planes_.status || surface_;
   const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.unfinished.data(),
                                        needs_status ? batch_.status.data() : nullptr,
                                        planes_.steps ? batch_.steps.data() : nullptr};
