@@ -33,6 +33,10 @@ tree = $(shell find $(1) \( -name __pycache__ -o -name '.*_cache' \) -prune -o \
 SOURCES := CMakeLists.txt pyproject.toml README.md LICENSE $(call tree,cmake cpp python)
 CPP_FILES = $(shell find cpp tests/cpp benchmarks -name '*.hpp' -o -name '*.cpp')
 
+# A stamp gets the time at which its step began, so that what is edited meanwhile counts as newer.
+begin = touch $@.begun
+end = mv $@.begun $@
+
 demo: $(STAMPS)/installed
 	$(BIN)/octomarch demo --output out
 
@@ -50,7 +54,8 @@ check-python: $(STAMPS)/installed $(STAMPS)/dev-tools
 	ruff check .
 	ruff format --check .
 	mypy
-	python -m mypy.stubtest --concise --ignore-missing-stub --ignore-unused-allowlist --allowlist tools/stubtest_allowlist.txt octomarch._core
+	python -m mypy.stubtest octomarch._core --concise --ignore-missing-stub \
+	  --allowlist tools/stubtest_allowlist.txt --ignore-unused-allowlist
 
 check-cpp-style: $(STAMPS)/dev-tools $(STAMPS)/cpp-tests-built
 	@echo clang-format --dry-run -Werror cpp tests/cpp benchmarks
@@ -93,26 +98,30 @@ $(STAMPS)/venv:
 # Build requirements live in .venv, and the build directory stays: an incremental build only compiles what changed.
 $(STAMPS)/build-tools: pyproject.toml tools/requirements.py | $(STAMPS)/venv
 	@echo "== Installing what the build needs into .venv"
+	@$(begin)
 	@$(BIN)/python tools/requirements.py build > $@.txt
 	@$(PIP) install --quiet --requirement $@.txt
-	@touch $@
+	@$(end)
 
 $(STAMPS)/dev-tools: pyproject.toml tools/requirements.py | $(STAMPS)/venv
 	@echo "== Installing what tests and linters need into .venv"
+	@$(begin)
 	@PATH="$(SYSTEM_PATH)" tools/setup.sh "$(PYTHON)" test
 	@$(BIN)/python tools/requirements.py dev > $@.txt
 	@$(PIP) install --quiet --requirement $@.txt
-	@touch $@
+	@$(end)
 
 $(STAMPS)/installed: $(STAMPS)/build-tools $(SOURCES)
 	@echo "== Building octomarch and installing it into .venv"
+	@$(begin)
 	@$(PIP) install --quiet --no-build-isolation . --config-settings=build-dir=$(BUILD_DIR) \
 	  --config-settings=cmake.define.OCTOMARCH_WERROR=ON
-	@touch $@
+	@$(end)
 
 # Benchmarks are compiled too, so that they do not rot.
 $(STAMPS)/cpp-tests-built: $(STAMPS)/installed $(STAMPS)/dev-tools $(call tree,tests/cpp benchmarks/cpp)
 	@echo "== Building the C++ tests and benchmarks"
+	@$(begin)
 	@cmake -S . -B $(BUILD_DIR) -DOCTOMARCH_BUILD_TESTS=ON -DOCTOMARCH_BUILD_BENCHMARKS=ON > $(BUILD_DIR)/configure.log
 	@cmake --build $(BUILD_DIR) --target octomarch_tests octomarch_bench
-	@touch $@
+	@$(end)
