@@ -2,7 +2,8 @@
 // machine's libraries, and xsimd's, differ with the presence of fused multiply-add. Lanes only: `T` has Real, Integer,
 // bits() and from_bits().
 //
-// Errors, measured against mpmath by tests/test_ops_math.py: see kernels' docstrings there.
+// Largest errors found against long double, in float and double alike (tests/cpp/test_math.cpp): log2 3.8 ulp, exp2
+// 1.2 ulp, power 3.0·(1 + |y·log2 x|) ulp.
 #pragma once
 
 #include <cstddef>
