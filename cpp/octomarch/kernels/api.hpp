@@ -144,15 +144,15 @@ struct KernelTable {
   /// (k = +inf: hard shadows). `visibility`: exactly `count` long.
   void (*shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&, Real k,
                  Real* visibility, Counters&);
-  /// The tape's result at points; NaN at NaN points.
+  /// The tape's result at points; NaN at NaN points. This and the next two poll `cancelled` at every block.
   void (*distance)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
-                   Real* out);
+                   const bool* cancelled, Real* out);
   /// The exact gradient at points; the register file is four times as large.
   void (*gradient)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
-                   const Vectors<Real>& out);
+                   const bool* cancelled, const Vectors<Real>& out);
   /// The gradient by central differences, scaled by 2·step (directions are what counts).
   void (*central_difference)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points,
-                             std::size_t count, Real step, const Vectors<Real>& out);
+                             std::size_t count, Real step, const bool* cancelled, const Vectors<Real>& out);
   /// Gradients in surface.normal become unit normals, −direction where there is none.
   void (*normalize)(const SurfaceView<Real>&);
   /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, where a ray grazes an edge

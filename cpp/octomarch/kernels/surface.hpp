@@ -11,6 +11,9 @@ namespace octomarch::kernels::OCTOMARCH_ISA {
 template <class Real>
 inline constexpr Real kNaN = std::numeric_limits<Real>::quiet_NaN();
 
+/// Reads a flag that another thread may be setting.
+inline bool is_set(const bool* flag) { return __atomic_load_n(flag, __ATOMIC_RELAXED); }
+
 /// Lanes of the block that begins at `first`.
 inline std::size_t lanes_in_block(std::size_t first, std::size_t count) {
   return count - first < kLanes ? count - first : kLanes;
@@ -18,9 +21,9 @@ inline std::size_t lanes_in_block(std::size_t first, std::size_t count) {
 
 template <class Real>
 void distance(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, std::size_t count,
-              Real* out) {
+              const bool* cancelled, Real* out) {
   using T = Lanes<Real>;
-  for (std::size_t first = 0; first < count; first += kLanes) {
+  for (std::size_t first = 0; first < count && !is_set(cancelled); first += kLanes) {
     const std::size_t n = batches<Real>(lanes_in_block(first, count));
     for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
       T::load(points.x + first + lane).store(registers + lane);
@@ -41,12 +44,12 @@ void distance(const TapeView<Real>& tape, Real* registers, const Vectors<const R
 
 template <class Real>
 void gradient(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, std::size_t count,
-              const Vectors<Real>& out) {
+              const bool* cancelled, const Vectors<Real>& out) {
   using T = Lanes<Real>;
   using Layout = RegisterLayout<Dual<T>>;
   const T zero = Real(0);
   const T one = Real(1);
-  for (std::size_t first = 0; first < count; first += kLanes) {
+  for (std::size_t first = 0; first < count && !is_set(cancelled); first += kLanes) {
     const std::size_t n = batches<Real>(lanes_in_block(first, count));
     for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
       Layout::store({T::load(points.x + first + lane), one, zero, zero}, registers + lane);
@@ -64,12 +67,12 @@ void gradient(const TapeView<Real>& tape, Real* registers, const Vectors<const R
 
 template <class Real>
 void central_difference(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points,
-                        std::size_t count, Real step, const Vectors<Real>& out) {
+                        std::size_t count, Real step, const bool* cancelled, const Vectors<Real>& out) {
   using T = Lanes<Real>;
   const Real* const coordinates[3] = {points.x, points.y, points.z};
   Real* const results[3] = {out.x, out.y, out.z};
   alignas(kAlignment) Real ahead[kLanes];
-  for (std::size_t first = 0; first < count; first += kLanes) {
+  for (std::size_t first = 0; first < count && !is_set(cancelled); first += kLanes) {
     const std::size_t n = batches<Real>(lanes_in_block(first, count));
     const auto sample = [&](std::size_t axis, const T& offset) {
       for (std::size_t c = 0; c < 3; ++c) {
@@ -155,7 +158,7 @@ void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Re
     Real weight = 1;
     Real expected = 0;
     for (int sample = 1; sample <= samples; ++sample) {
-      if (__atomic_load_n(cancelled, __ATOMIC_RELAXED)) return;
+      if (is_set(cancelled)) return;
       weight *= Real(0.5);
       const Real share = Real(sample) / Real(samples);
       const Real height = distance * share * share;

@@ -110,15 +110,15 @@ kernels::Column<Real> column(const Buffer<Real>& values) {
 /// Writes the surface quantities of one chunk over the values that rays without a surface have.
 template <class Real>
 void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t first, std::size_t count,
-                    const RayColumns<Real>& columns, const Hits<Real>& out) {
+                    const RayColumns<Real>& columns, const Hits<Real>& out, const bool& cancelled) {
   if (out.position) std::fill_n(out.position + 3 * first, 3 * count, Real(0));
   if (out.normal) std::fill_n(out.normal + 3 * first, 3 * count, Real(0));
   if (out.object_id) std::fill_n(out.object_id + first, count, -1);
   if (out.material_id) std::fill_n(out.material_id + first, count, -1);
   SurfacePass<Real>& surface = s.surface;
   surface.gather(s.batch, columns, column(s.epsilon), count);
-  if (out.normal) surface.find_normals(Shading{});
-  if (out.object_id || out.material_id) surface.find_objects();
+  if (out.normal) surface.find_normals(Shading{}, cancelled);
+  if (out.object_id || out.material_id) surface.find_objects(cancelled);
   for (std::size_t i = 0; i < surface.count(); ++i) {
     const std::size_t ray = first + surface.ray(i);
     const auto write = [&](Real* plane, const VectorBuffer<Real>& rows) {
@@ -141,31 +141,33 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
 template <class Real>
 void query_distance(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool&) {
-    auto& s = scratch_of(scratch, worker, program, std::size_t{1}, chunk_size(program));
-    split(points + 3 * first, n, s.points);
-    how.isa->table<Real>().distance(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
-                                    s.out.x.data());
-    std::copy_n(s.out.x.data(), n, out + first);
-  });
+  for_each_chunk(program, count, 1, how,
+                 [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+                   auto& s = scratch_of(scratch, worker, program, std::size_t{1}, chunk_size(program));
+                   split(points + 3 * first, n, s.points);
+                   how.isa->table<Real>().distance(view<Real>(program.distance()), s.registers.data(), s.points.read(),
+                                                   n, &cancelled, s.out.x.data());
+                   std::copy_n(s.out.x.data(), n, out + first);
+                 });
 }
 
 template <class Real>
 void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool&) {
-    auto& s = scratch_of(scratch, worker, program, std::size_t{4}, chunk_size(program));
-    split(points + 3 * first, n, s.points);
-    how.isa->table<Real>().gradient(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
-                                    s.out.view());
-    for (std::size_t i = 0; i < n; ++i) {
-      const bool is_nan = std::isnan(s.points.x[i]) || std::isnan(s.points.y[i]) || std::isnan(s.points.z[i]);
-      const Real nan = std::numeric_limits<Real>::quiet_NaN();
-      out[3 * (first + i)] = is_nan ? nan : s.out.x[i];
-      out[3 * (first + i) + 1] = is_nan ? nan : s.out.y[i];
-      out[3 * (first + i) + 2] = is_nan ? nan : s.out.z[i];
-    }
-  });
+  for_each_chunk(
+      program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+        auto& s = scratch_of(scratch, worker, program, std::size_t{4}, chunk_size(program));
+        split(points + 3 * first, n, s.points);
+        how.isa->table<Real>().gradient(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
+                                        &cancelled, s.out.view());
+        for (std::size_t i = 0; i < n; ++i) {
+          const bool is_nan = std::isnan(s.points.x[i]) || std::isnan(s.points.y[i]) || std::isnan(s.points.z[i]);
+          const Real nan = std::numeric_limits<Real>::quiet_NaN();
+          out[3 * (first + i)] = is_nan ? nan : s.out.x[i];
+          out[3 * (first + i) + 1] = is_nan ? nan : s.out.y[i];
+          out[3 * (first + i) + 2] = is_nan ? nan : s.out.z[i];
+        }
+      });
 }
 
 template <class Real>
@@ -198,7 +200,7 @@ void query_rays(const Program& program, const double* origins, const double* dir
         }
         if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
         if (out.position || out.normal || out.object_id || out.material_id) {
-          write_surfaces(s, program, first, n, columns, out);
+          write_surfaces(s, program, first, n, columns, out, cancelled);
         }
       });
 }

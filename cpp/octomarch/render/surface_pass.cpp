@@ -41,26 +41,27 @@ void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Rea
 }
 
 template <class Real>
-std::uint64_t SurfacePass<Real>::find_normals(const Shading& shading) {
+std::uint64_t SurfacePass<Real>::find_normals(const Shading& shading, const bool& cancelled) {
   const kernels::TapeView<Real> tape = octomarch::view<Real>(program_.distance());
   std::uint64_t evaluations = count();
   if (shading.normals == Normals::kExact) {
     if (gradient_registers_.size() == 0) gradient_registers_ = register_file<Real>(program_.distance(), 4);
-    kernels_.gradient(tape, gradient_registers_.data(), position.read(), count(), normal.view());
+    kernels_.gradient(tape, gradient_registers_.data(), position.read(), count(), &cancelled, normal.view());
   } else {
     evaluations *= 6;
     kernels_.central_difference(tape, registers(), position.read(), count(), clamped<Real>(shading.normal_step),
-                                normal.view());
+                                &cancelled, normal.view());
   }
   kernels_.normalize(view());
   return evaluations;
 }
 
 template <class Real>
-std::uint64_t SurfacePass<Real>::find_objects() {
+std::uint64_t SurfacePass<Real>::find_objects(const bool& cancelled) {
   const Tape& tape = program_.attributes().tape;
   if (attribute_registers_.size() == 0) attribute_registers_ = register_file<Real>(tape, 1);
-  kernels_.distance(octomarch::view<Real>(tape), attribute_registers_.data(), position.read(), count(), object_.data());
+  kernels_.distance(octomarch::view<Real>(tape), attribute_registers_.data(), position.read(), count(), &cancelled,
+                    object_.data());
   return count();
 }
 

@@ -46,9 +46,9 @@ class SurfacePass {
   void gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, const kernels::Column<Real>& epsilon,
               std::size_t count);
   /// Unit normals; returns evaluations made.
-  std::uint64_t find_normals(const Shading& shading);
+  std::uint64_t find_normals(const Shading& shading, const bool& cancelled);
   /// Object ids, from the attribute program; returns evaluations made.
-  std::uint64_t find_objects();
+  std::uint64_t find_objects(const bool& cancelled);
 
   std::size_t count() const { return ray_.size(); }
   /// Index in the batch of surface point i.

@@ -129,10 +129,11 @@ void TileRenderer<Real>::render(std::size_t index, const bool& cancelled) {
   if (surface_) {
     clear(tile);
     surface_->gather(batch_, columns_, epsilon_, rays_);
-    if (planes_.color || planes_.normal) stats_.gradient_evaluations += surface_->find_normals(picture_.shading);
+    if (planes_.color || planes_.normal)
+      stats_.gradient_evaluations += surface_->find_normals(picture_.shading, cancelled);
     const bool several = planes_.color && picture_.program->attributes().materials.size() > 1;
     if (planes_.object_id || planes_.material_id || several) {
-      stats_.attribute_evaluations += surface_->find_objects();
+      stats_.attribute_evaluations += surface_->find_objects(cancelled);
     }
     if (illumination_) illumination_->run(*surface_, cancelled, stats_);
     write_surfaces(tile);
