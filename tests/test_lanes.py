@@ -208,7 +208,7 @@ def picture(request: pytest.FixtureRequest, precision: str) -> Callable[..., om.
     view, shading = request.param
 
     def render(**options) -> om.Image:
-        options = {"planes": tuple(PLANES), "size": (83, 45), **options}
+        options = {"planes": tuple(PLANES), "size": (67, 35), **options}
         return om.render(LIT, VIEWS[view], march=om.March(max_steps=60), shading=SHADINGS[shading],
                          precision=precision, **options)  # fmt: skip
 
