@@ -2,6 +2,7 @@
 made of.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -18,15 +19,58 @@ BALL = om.sphere(0.5)
 # Bounds --------------------------------------------------------------------------------------------------------------
 
 
+def just_outside(lo: np.ndarray, hi: np.ndarray, extent: float) -> np.ndarray:
+    """Return points close to a box: within reach of what it should have held, on each side that has an end."""
+    rng = np.random.default_rng(2)
+    inner_lo, inner_hi = np.maximum(lo, -extent - 1), np.minimum(hi, extent + 1)
+    sides = []
+    for axis, (bound, sign) in itertools.product(range(3), ((lo, -1), (hi, 1))):
+        if np.isfinite(bound[axis]):
+            points = rng.uniform(np.minimum(inner_lo, inner_hi), np.maximum(inner_lo, inner_hi), (300, 3))
+            points[:, axis] = bound[axis] + sign * rng.exponential(0.05, 300)
+            sides.append(points)
+    return np.concatenate(sides) if sides else np.empty((0, 3))
+
+
+def check_bounds(shape: om.Shape, extent: float) -> None:
+    lo, hi = (np.array(corner) for corner in om.compile(shape).bounds)
+    slack = 1e-12 * (1 + extent)
+    outside = just_outside(lo, hi, extent)
+    field = om.reference.distance(shape, outside)
+    assert (field >= -slack).all(), (outside[field.argmin()], lo, hi)
+
+
 @given(sample=nested())
 def test_bounds_hold_the_solid(sample: Sample):
-    lo, hi = (np.array(corner) for corner in om.compile(sample.shape).bounds)
-    slack = 1e-12 * (1 + sample.extent)
-    span = 1.5 * min(sample.extent, 20) + 0.5
-    points = np.concatenate([POINTS, np.random.default_rng(2).uniform(-span, span, (2000, 3))])
-    inside = points[om.reference.distance(sample.shape, points) < -slack]
-    assert (inside >= lo - slack).all()
-    assert (inside <= hi + slack).all()
+    check_bounds(sample.shape, min(sample.extent, 20))
+
+
+def bar(width: float) -> om.Shape:
+    """Return a square bar as four half-spaces: its field is far below the distance along its diagonals."""
+    walls = ((x, 0, 0) for x in (-1, 1)), ((0, y, 0) for y in (-1, 1))
+    return om.intersection(*(om.plane(normal, np.array(normal) * width / 2) for axis in walls for normal in axis))
+
+
+EDGEWISE = bar(1.0).rotate(45, "z")
+BLENDS = {
+    "balls": om.sphere(1.0).union(om.sphere(1.0, center=(0.1, 0, 0)), smooth=1.0),
+    "many": om.union(*(om.box(1.0, center=(x, 0, 0)) for x in (0, 0.1, 0.2, 0.3)), smooth=0.8),
+    "corners": bar(1.0).union(bar(1.01), smooth=0.5) & om.box(8.0),
+    "turned corners": EDGEWISE.union(bar(1.01).rotate(45, "z"), smooth=0.5) & om.box(8.0),
+    "turned twice": bar(1.0)
+    .rotate(45, "z")
+    .rotate(45, "x")
+    .union(bar(1.0).rotate(45, "z").rotate(45.5, "x"), smooth=1),
+    "what is empty but for the blend": (om.sphere(0.5) & om.sphere(0.5, center=(1.2, 0, 0))).union(
+        om.sphere(0.5, center=(0, 0, 1.2)) & om.sphere(0.5, center=(1.2, 0, 1.2)), smooth=2
+    ),
+    "scaled": EDGEWISE.union(bar(1.01).rotate(45, "z"), smooth=0.5).scale(3) & om.box(20.0),
+}
+
+
+@pytest.mark.parametrize("name", BLENDS)
+def test_bounds_hold_what_blends_add(name: str):
+    check_bounds(BLENDS[name], 5.0)
 
 
 @given(sample=nested())
