@@ -204,12 +204,28 @@ def test_the_finish_stays_in_front_of_the_origin_and_within_the_limit(isa: str, 
     assert np.isposinf(short.t) or short.t <= 1.9995
 
 
-def test_a_ray_alongside_a_plane_takes_no_secant(isa: str):
-    """Its distance never falls: it ends where the tolerance, which grows with t, has reached it."""
+@pytest.mark.parametrize("rise", [0.0, 4e-7])
+def test_a_ray_alongside_a_plane_takes_no_secant(rise: float, isa: str):
+    """Its distance never falls: it ends where the tolerance, which grows with t, has reached it.
+
+    Where the distance rises, the secant through the last two samples has its root far behind the origin.
+    """
     march = om.March(epsilon=0, max_distance=1e6, max_steps=2_000_000)
-    hits = om.plane().raycast([0, 1e-3, 0], [1, 0, 0], march=march, precision="float32", isa=isa)
+    hits = om.plane().raycast([0, 1e-3, 0], [1, rise, 0], march=march, precision="float32", isa=isa)
     assert hits.status == om.Status.HIT
-    assert 16 * 2.0**-24 * hits.t == pytest.approx(1e-3, rel=1e-4)
+    assert (16 * 2.0**-24 - rise) * hits.t == pytest.approx(1e-3, rel=1e-4)
+
+
+def test_the_finish_never_leads_behind_the_camera(isa: str, precision: str):
+    """Rays that rise more slowly than their pixels widen end above the floor; their secant meets it behind the eye."""
+    camera = om.Camera((0, 0.01, 0), (1, 0.01, 0), fov=10)
+    march = om.March(epsilon=1e-6, pixel_tolerance=20)
+    image = om.render(
+        om.plane(), camera, (16, 16), march=march, planes=("depth", "status"), precision=precision, isa=isa
+    )
+    rising = image.status[:8] == om.Status.HIT
+    assert rising.sum() > 20
+    assert (image.depth > 0).all()
 
 
 def test_fields_beyond_the_numbers_are_misses_at_once(isa: str):
