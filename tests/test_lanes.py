@@ -148,7 +148,7 @@ def test_planes_do_not_depend_on_which_others_are_asked_for(alone: Arrays, isa: 
 # Instruction sets ----------------------------------------------------------------------------------------------------
 
 
-def same_on_all_isas(compute: Callable[[str], NDArray]) -> None:
+def assert_same_on_all_isas(compute: Callable[[str], NDArray]) -> None:
     expected = compute("scalar")
     for isa in om.isas():
         assert_same_bits(compute(isa), expected, isa)
@@ -156,8 +156,8 @@ def same_on_all_isas(compute: Callable[[str], NDArray]) -> None:
 
 @given(sample=nested())
 def test_fields_have_equal_bits_on_all_isas(precision: str, sample: Sample):
-    same_on_all_isas(lambda isa: sample.shape.distance(POINTS, precision=precision, isa=isa))
-    same_on_all_isas(lambda isa: sample.shape.gradient(POINTS, precision=precision, isa=isa))
+    assert_same_on_all_isas(lambda isa: sample.shape.distance(POINTS, precision=precision, isa=isa))
+    assert_same_on_all_isas(lambda isa: sample.shape.gradient(POINTS, precision=precision, isa=isa))
 
 
 @given(sample=nested())
@@ -178,8 +178,8 @@ def test_hits_have_equal_bits_on_all_isas(precision: str, sample: Sample):
 def test_fields_at_odd_numbers_have_equal_bits_on_all_isas(precision: str, values: list[float]):
     """Denormals, negative zeros, huge ones: floor and comparisons must agree there too."""
     points = np.array(values[: len(values) // 3 * 3]).reshape(-1, 3)
-    same_on_all_isas(lambda isa: SCENE.distance(points, precision=precision, isa=isa))
-    same_on_all_isas(lambda isa: SCENE.gradient(points, precision=precision, isa=isa))
+    assert_same_on_all_isas(lambda isa: SCENE.distance(points, precision=precision, isa=isa))
+    assert_same_on_all_isas(lambda isa: SCENE.gradient(points, precision=precision, isa=isa))
 
 
 LIT = om.Scene(

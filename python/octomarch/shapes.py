@@ -177,6 +177,10 @@ class Shape(Field):
     def repeat(self, period: float | Sequence[float | None], counts: int | Sequence[int | None] | None = None) -> Shape:
         """Return copies of the shape on a regular grid about the origin.
 
+        Each copy must fit its cell, which reaches half a period from its centre: what lies outside is cut off, and near
+        it distances are too large. A shape that is not its own mirror image across a repeated axis costs twice for that
+        axis, since the neighbouring cell is looked at too.
+
         Parameters
         ----------
         period : float or sequence of three floats

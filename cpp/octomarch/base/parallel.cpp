@@ -88,7 +88,9 @@ void parallel_for(std::size_t tasks, unsigned threads,
     shared.ended.notify_one();
   };
 
+  if (listener.progress) listener.progress(0, tasks);
   std::vector<std::jthread> workers;
+  std::exception_ptr not_started;
   shared.running = count;
   for (std::size_t worker = 0; worker < count; ++worker) {
     try {
@@ -96,9 +98,10 @@ void parallel_for(std::size_t tasks, unsigned threads,
     } catch (...) {
       const std::lock_guard lock(shared.mutex);
       --shared.running;
-      if (workers.empty()) shared.error = std::current_exception();  // fewer threads than asked for still do the work
+      not_started = std::current_exception();
     }
   }
+  if (workers.empty() && not_started) std::rethrow_exception(not_started);  // fewer than asked for still do the work
 
   std::unique_lock lock(shared.mutex);
   while (shared.running > 0) {

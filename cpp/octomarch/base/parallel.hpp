@@ -8,8 +8,9 @@ namespace octomarch {
 
 /// What the calling thread does while workers run; either may be empty.
 struct Listener {
-  std::function<void()> poll;                                       ///< every 20 ms; throws to cancel the work
-  std::function<void(std::size_t done, std::size_t all)> progress;  ///< on the calling thread, at most every 20 ms
+  std::function<void()> poll;  ///< every 20 ms; throws to cancel the work
+  std::function<void(std::size_t done, std::size_t all)>
+      progress;  ///< on the calling thread: first, every 20 ms, and last
 };
 
 /// Reads a flag that another thread may be setting.

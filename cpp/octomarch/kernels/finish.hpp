@@ -20,7 +20,7 @@ void check_finish(const TapeView<Real>& tape, Real* registers, const RayView<Rea
   const Column<Real>* const origins[] = {&rays.ox, &rays.oy, &rays.oz};
   const Column<Real>* const directions[] = {&rays.dx, &rays.dy, &rays.dz};
   for (std::size_t first = 0; first < rays.count; first += kLanes) {
-    if (__atomic_load_n(parameters.cancelled, __ATOMIC_RELAXED)) return;
+    if (is_set(parameters.cancelled)) return;
     const std::size_t left = rays.count - first;
     const std::size_t lanes = left < kLanes ? left : kLanes;
     const std::size_t count = batches<Real>(lanes);

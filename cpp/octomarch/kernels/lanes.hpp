@@ -35,6 +35,9 @@ const Lanes<Real>& value_of(const Lanes<Real>& a) {
 template <class Real>
 inline constexpr std::size_t kWidth = Lanes<Real>::kWidth;
 
+/// Reads a flag that another thread may be setting.
+inline bool is_set(const bool* flag) { return __atomic_load_n(flag, __ATOMIC_RELAXED); }
+
 /// Batches that `lanes` lanes take.
 template <class Real>
 constexpr std::size_t batches(std::size_t lanes) {

@@ -35,7 +35,7 @@ class Marcher {
       open(blocks[i], row(i * kBusyRows), row(files + i * tape_.registers), row(quiet + i * kBusyRows));
     }
     for (unsigned turn = 0; blocks[0].slots + blocks[1].slots > 0; turn ^= 1U) {
-      if (__atomic_load_n(parameters_.cancelled, __ATOMIC_RELAXED)) return;
+      if (is_set(parameters_.cancelled)) return;
       if (blocks[turn].slots > 0) advance(blocks[turn]);
       Block<Real>& other = blocks[turn ^ 1U];
       if (other.step >= other.deadline || other.any_ended()) retire_ended(other);

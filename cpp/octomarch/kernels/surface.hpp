@@ -11,9 +11,6 @@ namespace octomarch::kernels::OCTOMARCH_ISA {
 template <class Real>
 inline constexpr Real kNaN = std::numeric_limits<Real>::quiet_NaN();
 
-/// Reads a flag that another thread may be setting.
-inline bool is_set(const bool* flag) { return __atomic_load_n(flag, __ATOMIC_RELAXED); }
-
 /// Lanes of the block that begins at `first`.
 inline std::size_t lanes_in_block(std::size_t first, std::size_t count) {
   return count - first < kLanes ? count - first : kLanes;

@@ -5,6 +5,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "octomarch/base/hash.hpp"
 #include "octomarch/graph/builder.hpp"
 #include "octomarch/program/placement.hpp"
 
@@ -189,7 +190,9 @@ class Lowering {
 
   struct VisitHash {
     std::size_t operator()(const std::pair<const Node*, PlacementId>& key) const noexcept {
-      return std::hash<const Node*>()(key.first) ^ (std::size_t{key.second} * 0x9E3779B97F4A7C15ULL);
+      std::uint64_t hash = std::hash<const Node*>()(key.first);
+      mix(hash, key.second);
+      return hash;
     }
   };
 

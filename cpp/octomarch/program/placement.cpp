@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "octomarch/base/hash.hpp"
 #include "octomarch/program/analysis.hpp"
 
 namespace octomarch {
@@ -138,15 +139,11 @@ std::array<ValueId, 3> nearest_cell(const std::array<ValueId, 3>& frame, const s
 
 std::size_t PlacementHash::operator()(const Placement& placement) const noexcept {
   std::uint64_t hash = static_cast<std::uint32_t>(placement.material);
-  const auto mix = [&hash](std::uint64_t word) {
-    hash = (hash ^ word) * 0x9E3779B97F4A7C15ULL;
-    hash ^= hash >> 29U;
-  };
-  for (const ValueId value : placement.frame) mix(value);
-  mix(std::bit_cast<std::uint64_t>(placement.scale));
-  for (const double entry : placement.rotation) mix(std::bit_cast<std::uint64_t>(entry + 0.0));
+  for (const ValueId value : placement.frame) mix(hash, value);
+  mix(hash, std::bit_cast<std::uint64_t>(placement.scale));
+  for (const double entry : placement.rotation) mix(hash, std::bit_cast<std::uint64_t>(entry + 0.0));
   for (std::size_t axis = 0; axis < 3; ++axis)
-    mix(std::bit_cast<std::uint64_t>(component(placement.offset, axis) + 0.0));
+    mix(hash, std::bit_cast<std::uint64_t>(component(placement.offset, axis) + 0.0));
   return hash;
 }
 

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "octomarch/base/error.hpp"
+#include "octomarch/base/hash.hpp"
 #include "octomarch/program/dataflow.hpp"
 
 namespace octomarch {
@@ -12,11 +13,6 @@ namespace {
 
 /// A few nodes that each place the one before twice make exponentially many places; this is where that ends.
 constexpr std::size_t kMaxOperations = std::size_t{1} << 21U;
-
-void mix(std::uint64_t& hash, std::uint64_t word) {
-  hash = (hash ^ word) * 0x9E3779B97F4A7C15ULL;  // golden-ratio multiplier; the xor below feeds high bits back
-  hash ^= hash >> 29U;
-}
 
 bool same_bits(std::span<const double> a, const double* b) {
   return a.empty() || std::memcmp(a.data(), b, a.size_bytes()) == 0;

@@ -23,6 +23,12 @@ Illumination<Real>::Illumination(const Picture& picture, const kernels::KernelTa
       shadow_epsilon_(size),
       shadow_visibility_(size) {
   lit_.reserve(size);
+  for (const Material& material : picture.program->attributes().materials) {
+    materials_.push_back({clamped<Real>(material.color.x), clamped<Real>(material.color.y),
+                          clamped<Real>(material.color.z), static_cast<Real>(1.0 - material.metallic),
+                          static_cast<Real>(material.specular), static_cast<Real>(material.metallic),
+                          static_cast<Real>(phong_exponent(material.roughness))});
+  }
 }
 
 template <class Real>
@@ -43,19 +49,19 @@ void Illumination<Real>::run(SurfacePass<Real>& surface, const bool& cancelled, 
 template <class Real>
 void Illumination<Real>::set_materials(const SurfacePass<Real>& surface) {
   const Attributes& attributes = picture_.program->attributes();
-  const bool several = attributes.materials.size() > 1;
+  const bool several = materials_.size() > 1;
   for (std::size_t i = 0; i < surface.count(); ++i) {
     const std::size_t index =
         several ? static_cast<std::size_t>(attributes.objects[static_cast<std::size_t>(surface.object(i))].material)
                 : 0;
-    const Material& material = attributes.materials[index];
-    albedo_.x[i] = clamped<Real>(material.color.x);
-    albedo_.y[i] = clamped<Real>(material.color.y);
-    albedo_.z[i] = clamped<Real>(material.color.z);
-    diffuse_[i] = static_cast<Real>(1.0 - material.metallic);
-    specular_[i] = static_cast<Real>(material.specular);
-    metallic_[i] = static_cast<Real>(material.metallic);
-    exponent_[i] = static_cast<Real>(phong_exponent(material.roughness));
+    const MaterialTerms& material = materials_[index];
+    albedo_.x[i] = material.red;
+    albedo_.y[i] = material.green;
+    albedo_.z[i] = material.blue;
+    diffuse_[i] = material.diffuse;
+    specular_[i] = material.specular;
+    metallic_[i] = material.metallic;
+    exponent_[i] = material.exponent;
   }
 }
 

@@ -32,8 +32,14 @@ class Illumination {
     return {albedo_.view(), diffuse_.data(), specular_.data(), metallic_.data(), exponent_.data(), color_.view()};
   }
 
+  /// A material as the kernels take it, converted once.
+  struct MaterialTerms {
+    Real red, green, blue, diffuse, specular, metallic, exponent;
+  };
+
   const Picture& picture_;
   const kernels::KernelTable<Real>& kernels_;
+  std::vector<MaterialTerms> materials_;
   VectorBuffer<Real> albedo_, color_, toward_;
   Buffer<Real> diffuse_, specular_, metallic_, exponent_;
   Buffer<Real> distance_, cosine_, visibility_, ambient_;

@@ -30,7 +30,7 @@ void for_each_run(const kernels::TileView& tile, Function&& f) {
 template <class T>
 void write_plane(const kernels::TileView& tile, T* plane, const T* rays) {
   for_each_run(tile, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
-    if (count == kernels::kPacketWidth) {
+    if (count == kernels::kPacketWidth) {  // the common case: a copy of known size is one move
       std::copy_n(rays + ray, kernels::kPacketWidth, plane + pixel);
     } else {
       std::copy_n(rays + ray, count, plane + pixel);
