@@ -5,15 +5,17 @@
 #   make demo    render the demo scenes          make lint     check formats, types and style, Python and C++
 #   make test    lint, C++ tests, pytest         make format   rewrite the sources as lint wants them
 #   make build   install into .venv              make bench    measure speed
+#   make docs    build the site in build/docs    make gallery  the same: it renders examples/gallery
 #   make sanitize  both kinds of tests under the address and undefined-behaviour sanitizers
 #   make clean   remove what was built           make distclean  remove .venv too
 #
-# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS, BENCH_ARGS (more arguments for pytest, run.py).
+# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS, BENCH_ARGS, DOCS_ARGS (more arguments for pytest, run.py,
+# sphinx-build).
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
 .DEFAULT_GOAL := build
-.PHONY: demo test build lint format bench sanitize clean distclean check-cpp check-python check-cpp-style
+.PHONY: demo test build lint format bench docs gallery sanitize clean distclean check-cpp check-python check-cpp-style
 
 PYTHON ?= python3
 BIN := .venv/bin
@@ -73,6 +75,12 @@ format: $(STAMPS)/dev-tools
 bench: $(STAMPS)/installed
 	$(BIN)/python benchmarks/run.py --build-dir $(BUILD_DIR) $(BENCH_ARGS)
 
+docs: $(STAMPS)/installed $(STAMPS)/docs-tools
+	$(BIN)/python -m sphinx -W --keep-going -q -d build/doctrees $(DOCS_ARGS) docs build/docs
+	@echo "The site: build/docs/index.html; its gallery: build/docs/gallery/index.html, with the pictures in out/gallery"
+
+gallery: docs
+
 # The sanitizers' libraries must come before everything else in Python's process; its own leaks are not of interest.
 sanitize: $(STAMPS)/installed $(STAMPS)/dev-tools
 	cmake --preset asan-ubsan
@@ -85,7 +93,7 @@ sanitize: $(STAMPS)/installed $(STAMPS)/dev-tools
 	  $(BIN)/python -m pytest --ignore tests/test_typing.py $(PYTEST_ARGS)
 
 clean:
-	rm -rf build dist $(STAMPS)/installed $(STAMPS)/cpp-tests-built
+	rm -rf build dist docs/gallery docs/reference $(STAMPS)/installed $(STAMPS)/cpp-tests-built
 
 distclean: clean
 	rm -rf .venv .mypy_cache .pytest_cache .ruff_cache .hypothesis
@@ -108,6 +116,13 @@ $(STAMPS)/dev-tools: pyproject.toml tools/requirements.py | $(STAMPS)/venv
 	@$(begin)
 	@PATH="$(SYSTEM_PATH)" tools/setup.sh "$(PYTHON)" test
 	@$(BIN)/python tools/requirements.py dev > $@.txt
+	@$(PIP) install --quiet --requirement $@.txt
+	@$(end)
+
+$(STAMPS)/docs-tools: pyproject.toml tools/requirements.py | $(STAMPS)/venv
+	@echo "== Installing what the documentation needs into .venv"
+	@$(begin)
+	@$(BIN)/python tools/requirements.py docs > $@.txt
 	@$(PIP) install --quiet --requirement $@.txt
 	@$(end)
 

@@ -1,6 +1,6 @@
-"""Print what pip must install to build or to develop octomarch, one requirement a line, as pyproject.toml says it.
+"""Print what pip must install to build, develop or document octomarch, one requirement a line, as pyproject.toml says.
 
-The Makefile calls it before the package itself can be installed: ``requirements.py build`` or ``requirements.py dev``.
+The Makefile calls it before the package itself can be installed, with ``build``, ``dev`` or ``docs``.
 """
 
 import sys

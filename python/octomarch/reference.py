@@ -44,7 +44,7 @@ REFERENCE_PLANES: tuple[ReferencePlane, ...] = (
 
 
 def distance(shape: Shape, points: ArrayLike, dtype: Precision = "float64") -> Floats:
-    """Evaluate the field of a shape; see `Shape.distance`.
+    """Evaluate the field of a shape; see `octomarch.Shape.distance`.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def distance(shape: Shape, points: ArrayLike, dtype: Precision = "float64") -> F
 
 
 def gradient(shape: Shape, points: ArrayLike, dtype: Precision = "float64") -> Floats:
-    """Differentiate the field of a shape analytically; see `Shape.gradient`.
+    """Differentiate the field of a shape analytically; see `octomarch.Shape.gradient`.
 
     On creases and faces, where operands are equal, it is the gradient of one side that has one. It is zero only where
     no direction leads away from the surface, such as the centre of a ball.
@@ -116,7 +116,7 @@ def raycast(
     t_max: float = math.inf,
     dtype: Precision = "float64",
 ) -> Hits:
-    """Find the first surface along each ray by plain sphere tracing; see `Shape.raycast`.
+    """Find the first surface along each ray by plain sphere tracing; see `octomarch.Shape.raycast`.
 
     Parameters
     ----------

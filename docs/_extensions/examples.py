@@ -1,0 +1,109 @@
+"""Two directives for pages, so that code and picture never disagree.
+
+``example`` runs a block of code and shows below it what it printed and the picture it ends with; ``cards`` shows a
+picture of each line's expression, side by side. `blocks.py` runs the code. Pictures are rendered at twice the size at
+which they are shown.
+"""
+
+import os
+import traceback
+from pathlib import Path
+from typing import Any, cast
+
+from docutils import nodes
+from docutils.parsers.rst import directives
+from sphinx.application import Sphinx
+from sphinx.util.docutils import SphinxDirective
+
+import blocks
+import octomarch as om
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register with Sphinx."""
+    app.add_directive("example", Example)
+    app.add_directive("cards", Cards)
+    return {"parallel_read_safe": True}
+
+
+class Block(SphinxDirective):
+    """What both directives share: the names of the page, and pictures as files."""
+
+    has_content = True
+
+    @property
+    def names(self) -> dict[str, Any]:
+        """The names that earlier blocks of the page have defined."""
+        return cast(dict[str, Any], self.env.temp_data.setdefault("octomarch_names", blocks.names_of_page()))
+
+    def failure(self) -> Exception:
+        """Return the error that tells what went wrong in the block."""
+        trace = traceback.format_exc(limit=-2)
+        return cast(Exception, self.error(f"the block does not run:\n{trace}"))
+
+    def image(self, image: om.Image, alt: str) -> nodes.image:
+        """Return the node that shows a picture; its file lies among the doctrees, where it is as old as they are."""
+        folder = Path(self.env.doctreedir) / "pictures"
+        folder.mkdir(parents=True, exist_ok=True)
+        number = self.env.new_serialno("octomarch_picture")
+        path = folder / f"{self.env.docname.replace('/', '-')}-{number}.png"
+        path.write_bytes(image.to_png_bytes())
+        uri = "/" + Path(os.path.relpath(path, self.env.srcdir)).as_posix()
+        return nodes.image(uri=uri, alt=alt, width=f"{image.size[0] // 2}px")
+
+
+class Example(Block):
+    """Code, what it printed, and its picture."""
+
+    option_spec = {"alt": directives.unchanged, "hide-code": directives.flag}  # noqa: RUF012
+
+    def run(self) -> list[nodes.Node]:
+        """Run the block and return what to show."""
+        code = "\n".join(self.content)
+        try:
+            result = blocks.run(code, self.names)
+        except Exception:
+            raise self.failure() from None
+        shown = nodes.container(classes=["example"])
+        if "hide-code" not in self.options:
+            shown += self.literal(code, "python")
+        if result.printed:
+            shown += self.literal(result.printed.rstrip(), "text", ["printed"])
+        if len(result.pictures) == 1:
+            shown += self.image(result.pictures[0][1], self.options.get("alt", ""))
+        elif result.pictures:
+            grid = nodes.container(classes=["cards"])
+            for caption, picture in result.pictures:
+                grid += card(self.image(picture, caption), nodes.paragraph("", caption, classes=["caption"]))
+            shown += grid
+        return [shown]
+
+    def literal(self, text: str, language: str, classes: list[str] | None = None) -> nodes.literal_block:
+        """Return a literal block."""
+        block = nodes.literal_block(text, text, language=language, classes=classes or [])
+        self.set_source_info(block)
+        return block
+
+
+class Cards(Block):
+    """A grid of pictures, each with the expression that it shows; the argument names the function that renders it."""
+
+    optional_arguments = 1
+
+    def run(self) -> list[nodes.Node]:
+        """Run all lines and return the grid."""
+        grid = nodes.container(classes=["cards"])
+        try:
+            for found in blocks.cards("\n".join(self.content), self.names, *self.arguments):
+                code = nodes.literal_block(found.code, found.code, language="python")
+                text, _ = self.state.inline_text(found.caption, self.lineno)
+                caption = nodes.paragraph("", "", *text, classes=["caption"])
+                grid += card(self.image(found.image, found.code), code, caption)
+        except Exception:
+            raise self.failure() from None
+        return [grid]
+
+
+def card(*children: nodes.Node) -> nodes.container:
+    """Return one card of a grid."""
+    return nodes.container("", *children, classes=["card"])

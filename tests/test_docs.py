@@ -1,0 +1,66 @@
+"""The site's pages without Sphinx: the reference names all that is public, and the code of pages and gallery is sound.
+
+`make docs` builds the site itself.
+"""
+
+import ast
+import inspect
+import sys
+import tomllib
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+import octomarch as om
+
+ROOT = Path(__file__).parents[1]
+GALLERY = sorted((ROOT / "examples" / "gallery").glob("*.py"))
+PAGES = sorted([ROOT / "docs" / "index.md", *(ROOT / "docs" / "guide").glob("*.md")])
+LINES_AT_MOST = 40
+
+
+def listed() -> list[str]:
+    """Return the names in the table of the reference."""
+    topics = tomllib.loads((ROOT / "docs" / "reference.toml").read_text())["topics"]
+    return [name for topic in topics for name in topic["names"]]
+
+
+def public() -> set[str]:
+    """Return the names that octomarch exports, and those of its public modules."""
+    modules = {name: getattr(om, name) for name in om.__all__ if inspect.ismodule(getattr(om, name))}
+    return {*om.__all__, *(f"{name}.{inner}" for name, module in modules.items() for inner in module.__all__)}
+
+
+def test_reference_names_all_that_is_public():
+    missing, unknown = public() - set(listed()), set(listed()) - public()
+    assert not missing, f"public, but not in docs/reference.toml: {sorted(missing)}"
+    assert not unknown, f"in docs/reference.toml, but not public: {sorted(unknown)}"
+
+
+def test_reference_names_nothing_twice():
+    assert [name for name, count in Counter(listed()).items() if count > 1] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+def test_blocks_of_pages_run(page: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "_extensions"))
+    monkeypatch.delitem(sys.modules, "blocks", raising=False)
+    monkeypatch.chdir(tmp_path)
+    import blocks
+
+    assert blocks.run_page(page.read_text()) > 0
+
+
+@pytest.mark.parametrize("script", GALLERY, ids=lambda script: script.stem)
+def test_gallery_script_keeps_the_convention(script: Path):
+    """What examples/gallery/README.rst asks for."""
+    text = script.read_text()
+    title, underline, blank, *description = (ast.get_docstring(ast.parse(text)) or "\n\n\n").splitlines()
+    assert len(underline) == len(title), "the title is underlined with = in its full length"
+    assert set(underline) == {"="}
+    assert not blank
+    assert description
+    assert text.count("\n") <= LINES_AT_MOST
+    assert "import octomarch as om\n" in text
+    assert text.rstrip().splitlines()[-1].startswith("image.save(sys.argv[1] if sys.argv[1:] else ")
