@@ -108,6 +108,38 @@ def test_one_pixel(tmp_path: Path):
     assert om.read_exr(path).color.tolist() == [[[0.25, 0.25, 0.25]]]
 
 
+def test_a_crop_lies_in_the_display_window_where_it_belongs(tmp_path: Path):
+    path = tmp_path / "crop.exr"
+    image = om.render(om.sphere(1.0), size=(60, 50), crop=(7, 20, 9, 21), planes=("color", "steps"))
+    image.save(path)
+    for _ in range(2):  # as rendered, and as read back
+        header, channels = contents(path)
+        windows = {name: [corner.tolist() for corner in header[f"{name}Window"]] for name in ("display", "data")}
+        assert windows == {"display": [[0, 0], [59, 49]], "data": [[7, 20], [15, 40]]}
+        assert_array_equal(channels["steps"], image.steps)
+        back = om.read_exr(path)
+        assert bits(back.color) == bits(image.color)
+        back.save(path)
+
+
+@pytest.mark.parametrize(
+    "render",
+    [
+        None,
+        3,
+        {"crop": None},
+        {"crop": [0, 0, 2, 2]},
+        {"crop": "all", "size": 2},
+        {"crop": [0, 0, 2, 3], "size": [2, 2]},
+        {"crop": [0, 0, 3, 3], "size": [9, 9]},
+    ],
+)
+def test_metadata_that_say_nothing_of_a_crop_leave_the_windows(render: object, tmp_path: Path):
+    path = tmp_path / "other.exr"
+    om.Image({"depth": np.ones((2, 2))}, metadata={"render": render}).save(path)
+    assert contents(path)[0]["dataWindow"][1].tolist() == [1, 1]
+
+
 # Damage ---------------------------------------------------------------------------------------------------------------
 
 

@@ -91,7 +91,7 @@ def test_metadata_tells_how_the_picture_was_made():
     assert metadata["camera"] == {"type": "Camera", "eye": (0, 0, 4), "target": (0, 0, 0), "up": (0, 1, 0), "fov": 45}
     assert metadata["march"]["max_steps"] == 99
     assert metadata["march"]["epsilon"] > 0
-    assert metadata["render"] == {"size": SMALL, "planes": ["color", "depth"], "precision": "float32"}
+    assert metadata["render"] == {"size": SMALL, "crop": None, "planes": ["color", "depth"], "precision": "float32"}
     assert "sphere" in metadata["scene"]["listing"]
     json.dumps(metadata)
 
@@ -144,7 +144,7 @@ def test_shapes_show_themselves_in_notebooks():
         ({"size": (10.0, 10)}, TypeError, r"size\[0\] must be an integer, got 10.0"),
         ({"size": 10}, TypeError, r"size must be \(width, height\), got 10"),
         ({"size": "10x10"}, TypeError, "size must be"),
-        ({"camera": 3}, TypeError, r"camera must be an om\.Camera or om\.OrthographicCamera, got 3"),
+        ({"camera": 3}, TypeError, r"camera must be an om\.Camera, .* or om\.PanoramicCamera, got 3"),
         ({"march": "plain"}, TypeError, r"march must be an om\.March, got 'plain'"),
         ({"shading": 3}, TypeError, r"shading must be an om\.Shading, got 3"),
         ({"planes": ("color", "albedo")}, ValueError, "planes must be one of 'color', .*got 'albedo'"),

@@ -10,7 +10,7 @@ Shapes are built by functions and operators, compiled to a flat program and marc
 
 from octomarch import reference
 from octomarch._core import SceneError
-from octomarch.camera import Camera, OrthographicCamera
+from octomarch.camera import Camera, OrthographicCamera, PanoramicCamera
 from octomarch.exr import read_exr, write_exr
 from octomarch.image import Image
 from octomarch.lights import DirectionalLight, PointLight, Sky
@@ -36,6 +36,7 @@ __all__ = [
     "March",
     "Material",
     "OrthographicCamera",
+    "PanoramicCamera",
     "PointLight",
     "Program",
     "Scene",

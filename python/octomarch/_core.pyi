@@ -78,7 +78,9 @@ class Sky(metaclass=_Bound):
 
 @final
 class Camera(metaclass=_Bound):
-    def __init__(self, kind: str, eye: _Vec3In, target: _Vec3In, up: _Vec3In, fov: float, height: float) -> None: ...
+    def __init__(
+        self, kind: str, eye: _Vec3In, target: _Vec3In, up: _Vec3In, fov: float, fov_across: float, height: float
+    ) -> None: ...
     @property
     def kind(self) -> str: ...
     @property
@@ -89,6 +91,8 @@ class Camera(metaclass=_Bound):
     def up(self) -> _Vec3: ...
     @property
     def fov(self) -> float: ...
+    @property
+    def fov_across(self) -> float: ...
     @property
     def height(self) -> float: ...
 
@@ -188,6 +192,7 @@ def render(
     shading: Shading,
     width: int,
     height: int,
+    crop: Sequence[int],
     planes: Sequence[str],
     precision: str,
     threads: int,
@@ -213,6 +218,7 @@ def reference_render(
     shading: Shading,
     width: int,
     height: int,
+    crop: Sequence[int],
     planes: Sequence[str],
     lipschitz: float,
     dtype: str,

@@ -194,6 +194,20 @@ def size(value: object) -> tuple[int, int]:
     return width, height
 
 
+def crop(value: object, whole: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return (x, y, width, height) inside a picture of the size `whole`; all of it for None."""
+    if value is None:
+        return 0, 0, *whole
+    items = sequence("crop", value, "(x, y, width, height)")
+    if len(items) != 4:
+        raise ValueError(f"crop must be (x, y, width, height), got {shown(value)}")
+    x, y = (integer(f"crop[{i}]", items[i], 0) for i in (0, 1))
+    width, height = (integer(f"crop[{i}]", items[i], 1) for i in (2, 3))
+    if x + width > whole[0] or y + height > whole[1]:
+        raise ValueError(f"crop must lie within the size {whole}, got {shown(value)}")
+    return x, y, width, height
+
+
 def threads(value: object) -> int:
     """Return the number of threads, 0 for all cores (None)."""
     return 0 if value is None else integer("threads", value, 1, 4096)

@@ -1,10 +1,11 @@
-"""Where a picture is taken from: look-at cameras, and the framing that stands in when there is none."""
+"""Where a picture is taken from: look-at cameras of three kinds, and the framing that stands in when there is none."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +66,7 @@ class Camera:
         check.set_fields(self, fov=angle)
 
     def _native(self) -> _core.Camera:
-        return _core.Camera("perspective", self.eye, self.target, self.up, self.fov, 1.0)
+        return _core.Camera("perspective", self.eye, self.target, self.up, self.fov, 360.0, 1.0)
 
     def _ray_origins(self, size: tuple[int, int]) -> NDArray[np.float64]:
         return np.array([self.eye])
@@ -111,7 +112,7 @@ class OrthographicCamera:
         check.set_fields(self, height=check.positive("height", height))
 
     def _native(self) -> _core.Camera:
-        return _core.Camera("orthographic", self.eye, self.target, self.up, 45.0, self.height)
+        return _core.Camera("orthographic", self.eye, self.target, self.up, 45.0, 360.0, self.height)
 
     def _ray_origins(self, size: tuple[int, int]) -> NDArray[np.float64]:
         """Return the corners of the plane from which rays start."""
@@ -120,7 +121,90 @@ class OrthographicCamera:
         return np.array([np.array(self.eye) + i * s * right + j * r * above for i in (-1, 1) for j in (-1, 1)])
 
 
-AnyCamera: TypeAlias = Camera | OrthographicCamera
+@dataclass(frozen=True, init=False)
+class PanoramicCamera:
+    """Look-at camera that sees all around: the equirectangular projection, in which pixels are steps of angles.
+
+    With ``w = unit(target - eye)``, ``u = unit(w × up)`` and ``v = u × w`` the ray of the pixel (i, j) runs along
+    ``cos φ (cos λ w + sin λ u) + sin φ v``: the longitude ``λ = ((i + ½) / width - ½) fov[0]`` grows to the right, the
+    latitude ``φ = (½ - (j + ½) / height) fov[1]`` upwards [1]_. The target is in the middle of the picture.
+
+    Parameters
+    ----------
+    eye, target : sequence of three floats
+        World frame, scene units; they must differ.
+    up : sequence of three floats
+        Of any length but zero, not parallel to the view.
+    fov : (float, float)
+        Horizontal and vertical field of view in degrees, inside (0, 360] and (0, 180]. Pixels are square in angle
+        where both have the ratio of the picture's size: 2 : 1 for all of the sphere.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of a wrong type, not finite or outside its range.
+
+    References
+    ----------
+    .. [1] J. P. Snyder, "Map Projections: A Working Manual", U.S. Geological Survey Professional Paper 1395, 1987,
+       p. 90: the equidistant cylindrical projection. doi:10.3133/pp1395
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> around = om.PanoramicCamera(eye=(0, 0, 0), target=(0, 0, -1))
+    >>> image = om.render(om.sphere(1.0, center=(0, 0, 3)), around, size=(64, 32), planes=("depth",))
+    >>> bool(image.depth[15, 0] < 2.1), bool(image.depth[15, 31] < 2.1)  # behind, ahead
+    (True, False)
+    """
+
+    eye: Vec3
+    target: Vec3
+    up: Vec3
+    fov: tuple[float, float]
+
+    def __init__(
+        self,
+        eye: VectorLike,
+        target: VectorLike,
+        up: VectorLike = (0.0, 1.0, 0.0),
+        fov: Sequence[float] | NDArray[Any] = (360.0, 180.0),
+    ) -> None:
+        _look_at(self, eye, target, up)
+        angles = check.sequence("fov", fov, "(horizontal, vertical) degrees")
+        if len(angles) != 2:
+            raise ValueError(f"fov must be (horizontal, vertical) degrees, got {check.shown(fov)}")
+        across, down = (check.finite(f"fov[{i}]", angle) for i, angle in enumerate(angles))
+        for i, (angle, most) in enumerate(((across, 360), (down, 180))):
+            if not 0 < angle <= most:
+                raise ValueError(f"fov[{i}] must lie inside (0, {most}] degrees, got {check.shown(angle)}")
+        check.set_fields(self, fov=(across, down))
+
+    def _native(self) -> _core.Camera:
+        return _core.Camera("panoramic", self.eye, self.target, self.up, self.fov[1], self.fov[0], 1.0)
+
+    def _ray_origins(self, size: tuple[int, int]) -> NDArray[np.float64]:
+        return np.array([self.eye])
+
+
+AnyCamera: TypeAlias = Camera | OrthographicCamera | PanoramicCamera
+
+
+def or_framing(camera: object, program: Program, size: tuple[int, int]) -> AnyCamera:
+    """Return `camera`, once it is found to be one, or the framing of a program in the place of None.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> or_framing(None, om.compile(om.sphere(1.0)), (640, 480)).fov
+    35.0
+    """
+    if camera is None:
+        return framing(program, size)
+    if not isinstance(camera, (Camera, OrthographicCamera, PanoramicCamera)):
+        kinds = "an om.Camera, om.OrthographicCamera or om.PanoramicCamera"
+        raise TypeError(f"camera must be {kinds}, got {check.shown(camera)}")
+    return camera
 
 
 def framing(program: Program, size: tuple[int, int]) -> Camera:

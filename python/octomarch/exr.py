@@ -2,7 +2,8 @@
 
 Channels: R G B (linear), Z (depth along the ray), P.X P.Y P.Z, N.X N.Y N.Z as 32-bit floats; object_id, material_id,
 steps and status as unsigned integers. Ids are stored plus one, so that 0 means none. One string attribute,
-``octomarch``, holds the image's metadata and statistics as JSON, with a CRC-32 of each plane.
+``octomarch``, holds the image's metadata and statistics as JSON, with a CRC-32 of each plane. The data window of a crop
+is where it lies in the display window, the whole picture.
 """
 
 from __future__ import annotations
@@ -73,6 +74,7 @@ def write_exr(path: str | os.PathLike[str], image: Image) -> None:
         "compression": OpenEXR.ZIP_COMPRESSION,
         "chromaticities": _CHROMATICITIES,
         "software": f"octomarch {_version()}",
+        **_windows(image),
         _ATTRIBUTE: json.dumps(_plain(document), ensure_ascii=False, separators=(",", ":")),
     }
     with atomic(path) as temporary:
@@ -184,6 +186,25 @@ def _verify(path: str, groups: Mapping[PlaneName, dict[str, NDArray[Any]]], expe
                 f"{path}: the pixels of {plane} are not those that octomarch wrote: the file is damaged, or was edited "
                 "by another program (verify=False reads it nonetheless)"
             )
+
+
+def _windows(image: Image) -> dict[str, Any]:
+    """Return the display window and the data window of a crop, nothing for images that are none or do not say so."""
+    made = image.metadata.get("render")
+    if not isinstance(made, Mapping) or made.get("crop") is None:
+        return {}
+    try:
+        whole = check.size(made.get("size"))
+        x, y, width, height = check.crop(made["crop"], whole)
+    except (TypeError, ValueError):
+        return {}
+    if (width, height) != image.size:
+        return {}
+    corners = {"displayWindow": (0, 0, *whole), "dataWindow": (x, y, x + width, y + height)}
+    return {
+        name: (np.array([left, top], np.int32), np.array([right - 1, bottom - 1], np.int32))
+        for name, (left, top, right, bottom) in corners.items()
+    }
 
 
 def _stored(name: PlaneName, array: NDArray[Any]) -> dict[str, NDArray[Any]]:

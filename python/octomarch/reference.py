@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import Precision
-from octomarch.camera import AnyCamera, Camera, OrthographicCamera, framing
+from octomarch.camera import AnyCamera, or_framing
 from octomarch.image import Image
 from octomarch.march import March
 from octomarch.planes import PLANES
@@ -169,6 +169,7 @@ def render(
     shading: Shading | None = None,
     planes: ReferencePlane | Sequence[ReferencePlane] = ("color",),
     dtype: Precision = "float64",
+    crop: Sequence[int] | None = None,
 ) -> Image:
     """Render a picture, pixel after pixel; see `octomarch.render`.
 
@@ -176,7 +177,7 @@ def render(
     ----------
     scene : Shape or Scene
         A shape alone is lit as by `octomarch.render`.
-    camera : Camera or OrthographicCamera, optional
+    camera : Camera, OrthographicCamera or PanoramicCamera, optional
         None: one that frames the bounded parts of the shape.
     size : (int, int)
         Width and height in pixels.
@@ -188,6 +189,8 @@ def render(
         What to compute, of ``color depth position normal material_id steps status``.
     dtype : {"float64", "float32"}
         Arithmetic, and type of the planes of floats.
+    crop : (int, int, int, int), optional
+        x, y, width and height of what is rendered, in pixels of the whole picture; None for all of it.
 
     Returns
     -------
@@ -211,16 +214,14 @@ def render(
     True
     """
     width, height = check.size(size)
+    window = check.crop(crop, (width, height))
     names = check.planes(planes, REFERENCE_PLANES)
     if not names:
         raise ValueError("planes must name at least one plane, got none")
     precision = _dtype(dtype)
     march, shading = _or_default(March, "march", march), _or_default(Shading, "shading", shading)
     program = compile(scene)
-    if camera is None:
-        camera = framing(program, (width, height))
-    elif not isinstance(camera, (Camera, OrthographicCamera)):
-        raise TypeError(f"camera must be an om.Camera or om.OrthographicCamera, got {check.shown(camera)}")
+    camera = or_framing(camera, program, (width, height))
     if isinstance(scene, Shape):
         scene = lit_by_default(scene, camera)
     arrays = _core.reference_render(
@@ -231,11 +232,18 @@ def render(
         shading.resolve(program)._native(),
         width,
         height,
+        window,
         names,
         program.lipschitz,
         precision,
     )
-    settings = {"size": (width, height), "planes": names, "precision": precision, "renderer": "reference"}
+    settings = {
+        "size": (width, height),
+        "crop": None if crop is None else window,
+        "planes": names,
+        "precision": precision,
+        "renderer": "reference",
+    }
     return Image({name: arrays[name] for name in PLANES if name in arrays}, metadata={"render": settings})
 
 

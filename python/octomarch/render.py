@@ -14,7 +14,7 @@ from typing import Any, TypeAlias
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import Precision
-from octomarch.camera import AnyCamera, Camera, OrthographicCamera, axes, framing
+from octomarch.camera import AnyCamera, axes, or_framing
 from octomarch.image import Image
 from octomarch.lights import DirectionalLight
 from octomarch.march import March
@@ -38,6 +38,7 @@ def render(
     shading: Shading | None = None,
     planes: PlaneName | Sequence[PlaneName] | Sequence[str] = ("color",),
     precision: Precision = "float32",
+    crop: Sequence[int] | None = None,
     threads: int | None = None,
     isa: str | None = None,
     progress: bool | Progress | None = None,
@@ -48,10 +49,10 @@ def render(
     ----------
     scene : Shape or Scene
         A shape alone is lit by one light over the camera's left shoulder, some ambient light, and the default sky.
-    camera : Camera or OrthographicCamera, optional
+    camera : Camera, OrthographicCamera or PanoramicCamera, optional
         None: one that frames the bounded parts of the shape, from the front right and above.
     size : (int, int)
-        Width and height in pixels, 2²⁸ of them at the most.
+        Width and height of the whole picture in pixels, 2²⁸ of them at the most.
     march : March, optional
         How rays find the surface; None for the defaults.
     shading : Shading, optional
@@ -61,6 +62,9 @@ def render(
         it is asked for.
     precision : {"float32", "float64"}
         Arithmetic, and type of the planes of floats.
+    crop : (int, int, int, int), optional
+        x, y, width and height of what is rendered, in pixels from the upper left corner of the whole picture. The
+        planes are as large as the crop, and hold the same bits as there. None: all of it.
     threads : int, optional
         Threads at the most; None for all cores. The picture does not depend on it.
     isa : str, optional
@@ -90,16 +94,14 @@ def render(
     ((48, 64, 3), dtype('float32'))
     """
     width, height = check.size(size)
+    window = check.crop(crop, (width, height))
     names = check.planes(planes, tuple(PLANES))
     options = check.precision(precision), check.threads(threads), check.isa(isa)
     march, shading = _or_default(March, "march", march), _or_default(Shading, "shading", shading)
     if not isinstance(scene, (Shape, Scene)):
         raise TypeError(f"scene must be an om.Shape or om.Scene, got {check.shown(scene)}")
     program = compile(scene)
-    if camera is None:
-        camera = framing(program, (width, height))
-    elif not isinstance(camera, (Camera, OrthographicCamera)):
-        raise TypeError(f"camera must be an om.Camera or om.OrthographicCamera, got {check.shown(camera)}")
+    camera = or_framing(camera, program, (width, height))
     if isinstance(scene, Shape):
         scene = lit_by_default(scene, camera) if "color" in names else Scene(scene)
     march = march.resolve(program, camera._ray_origins((width, height)))
@@ -113,11 +115,17 @@ def render(
             shading._native(),
             width,
             height,
+            window,
             names,
             *options,
             report,
         )
-    settings = {"size": (width, height), "planes": names, "precision": options[0]}
+    settings = {
+        "size": (width, height),
+        "crop": None if crop is None else window,
+        "planes": names,
+        "precision": options[0],
+    }
     planes_in_order = {name: arrays[name] for name in PLANES if name in names}
     return Image(
         planes_in_order,

@@ -2,6 +2,7 @@
 // workers run without the GIL.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -12,6 +13,7 @@
 #include <pybind11/pybind11.h>
 
 #include "octomarch/base/error.hpp"
+#include "octomarch/graph/scene.hpp"
 
 namespace octomarch {
 
@@ -29,6 +31,18 @@ inline std::span<const double> triples(const Rows& rows, const char* argument) {
 template <class Value>
 std::span<Value> contents(pybind11::array_t<Value>& array) {
   return {array.mutable_data(), static_cast<std::size_t>(array.size())};
+}
+
+/// A crop as Python gives it: x, y, width, height.
+using CropBox = std::array<std::uint32_t, 4>;
+
+/// The same as a Crop, which must lie within width × height and hold a pixel.
+inline Crop crop_of(const CropBox& box, std::uint32_t width, std::uint32_t height) {
+  const auto [x, y, across, down] = box;
+  const bool inside =
+      across >= 1 && down >= 1 && std::uint64_t{x} + across <= width && std::uint64_t{y} + down <= height;
+  require(inside, "crop", "within the picture and not empty", pybind11::str(pybind11::cast(box)).cast<std::string>());
+  return {x, y, across, down};
 }
 
 /// Calls work(T{}) with the floating-point type that `name` names; `argument` is what the user calls it.

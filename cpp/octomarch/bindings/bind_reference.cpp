@@ -90,17 +90,18 @@ reference::Planes<T> planes_named(const std::vector<std::string>& names, Results
 }
 
 py::dict render(const NodePtr& node, const Scene& scene, const Camera& camera, const March& march,
-                const Shading& shading, int width, int height, const std::vector<std::string>& planes, double lipschitz,
-                const std::string& dtype) {
+                const Shading& shading, std::uint32_t width, std::uint32_t height, const CropBox& crop,
+                const std::vector<std::string>& planes, double lipschitz, const std::string& dtype) {
   require(width >= 1, "width", ">= 1", width);
   require(height >= 1, "height", ">= 1", height);
   require_lipschitz(lipschitz);
+  const Crop window = crop_of(crop, width, height);
   return with_precision("dtype", dtype, [&]<class T>(T) {
-    Results results({height, width});
+    Results results({static_cast<py::ssize_t>(window.height), static_cast<py::ssize_t>(window.width)});
     const reference::Planes<T> wanted = planes_named<T>(planes, results);
     {
       const py::gil_scoped_release release;
-      reference::render(node, scene, camera, march, shading, width, height, lipschitz, wanted, check_signals);
+      reference::render(node, scene, camera, march, shading, {width, height, window}, lipschitz, wanted, check_signals);
     }
     return results.take();
   });
@@ -114,8 +115,8 @@ void register_reference(py::module_& module) {
   module.def("reference_raycast", &raycast, py::arg("node").none(false), py::arg("origins"), py::arg("directions"),
              py::arg("march"), py::arg("t_max"), py::arg("lipschitz"), py::arg("dtype"));
   module.def("reference_render", &render, py::arg("node").none(false), py::arg("scene"), py::arg("camera"),
-             py::arg("march"), py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("planes"),
-             py::arg("lipschitz"), py::arg("dtype"));
+             py::arg("march"), py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"),
+             py::arg("planes"), py::arg("lipschitz"), py::arg("dtype"));
 }
 
 }  // namespace octomarch

@@ -43,7 +43,7 @@ py::dict stats_dict(const RenderStats& stats, const Picture& picture, const kern
   dict["isa"] = isa.name;
   dict["precision"] = precision;
   dict["threads"] = threads;
-  dict["rays"] = std::uint64_t{picture.width} * picture.height;
+  dict["rays"] = std::uint64_t{picture.crop.width} * picture.crop.height;
   dict["primary_evaluations"] = primary.evaluations;
   dict["gradient_evaluations"] = stats.gradient_evaluations;
   dict["attribute_evaluations"] = stats.attribute_evaluations;
@@ -70,18 +70,19 @@ Listener listener_for(const py::object& progress) {
 }
 
 py::tuple render_planes(const Program& program, const Scene& scene, const Camera& camera, const March& march,
-                        const Shading& shading, std::uint32_t width, std::uint32_t height,
+                        const Shading& shading, std::uint32_t width, std::uint32_t height, const CropBox& crop,
                         const std::vector<std::string>& planes, const std::string& precision, int threads,
                         const std::string& isa, const py::object& progress) {
   require(width >= 1, "width", ">= 1", width);
   require(height >= 1, "height", ">= 1", height);
   require(threads >= 0, "threads", ">= 0 (0 = all cores)", threads);
   const kernels::Isa& chosen = kernels::find_isa(isa);
-  const Picture picture{&program, &scene, camera, march, shading, width, height};
+  const Picture picture{&program, &scene, camera, march, shading, width, height, crop_of(crop, width, height)};
   const unsigned workers = thread_count(static_cast<unsigned>(threads));
   const Listener listener = listener_for(progress);
   return with_precision("precision", precision, [&]<class Real>(Real) {
-    Results results({static_cast<py::ssize_t>(height), static_cast<py::ssize_t>(width)});
+    const Crop& window = picture.crop;
+    Results results({static_cast<py::ssize_t>(window.height), static_cast<py::ssize_t>(window.width)});
     const Planes<Real> wanted = planes_named<Real>(planes, results);
     const auto start = std::chrono::steady_clock::now();
     RenderStats stats;
@@ -98,8 +99,8 @@ py::tuple render_planes(const Program& program, const Scene& scene, const Camera
 
 void register_render(py::module_& module) {
   module.def("render", &render_planes, py::arg("program"), py::arg("scene"), py::arg("camera"), py::arg("march"),
-             py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("planes"), py::arg("precision"),
-             py::arg("threads"), py::arg("isa"), py::arg("progress"));
+             py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"), py::arg("planes"),
+             py::arg("precision"), py::arg("threads"), py::arg("isa"), py::arg("progress"));
 }
 
 }  // namespace octomarch

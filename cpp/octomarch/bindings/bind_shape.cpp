@@ -39,8 +39,9 @@ using Names = std::array<std::pair<std::string_view, Value>, count>;
 constexpr Names<NodeKind, 3> kCombinations{
     {{"union", NodeKind::kUnion}, {"intersection", NodeKind::kIntersection}, {"difference", NodeKind::kDifference}}};
 constexpr Names<LightKind, 2> kLights{{{"directional", LightKind::kDirectional}, {"point", LightKind::kPoint}}};
-constexpr Names<CameraKind, 2> kCameras{
-    {{"perspective", CameraKind::kPerspective}, {"orthographic", CameraKind::kOrthographic}}};
+constexpr Names<CameraKind, 3> kCameras{{{"perspective", CameraKind::kPerspective},
+                                         {"orthographic", CameraKind::kOrthographic},
+                                         {"panoramic", CameraKind::kPanoramic}}};
 constexpr Names<Normals, 2> kNormals{{{"exact", Normals::kExact}, {"central", Normals::kCentral}}};
 constexpr Names<Shadows, 3> kShadows{{{"none", Shadows::kNone}, {"hard", Shadows::kHard}, {"soft", Shadows::kSoft}}};
 
@@ -164,15 +165,17 @@ void register_lighting(py::module_& module) {
 void register_camera(py::module_& module) {
   py::class_<Camera>(module, "Camera", py::is_final())
       .def(py::init([](const std::string& kind, const Triple& eye, const Triple& target, const Triple& up, double fov,
-                       double height) {
-             return Camera{parse("kind", kind, kCameras), vec3(eye), vec3(target), vec3(up), fov, height};
+                       double fov_across, double height) {
+             return Camera{parse("kind", kind, kCameras), vec3(eye), vec3(target), vec3(up), fov, fov_across, height};
            }),
-           py::arg("kind"), py::arg("eye"), py::arg("target"), py::arg("up"), py::arg("fov"), py::arg("height"))
+           py::arg("kind"), py::arg("eye"), py::arg("target"), py::arg("up"), py::arg("fov"), py::arg("fov_across"),
+           py::arg("height"))
       .def_property_readonly("kind", name_of(&Camera::kind, kCameras))
       .def_property_readonly("eye", triple_of(&Camera::eye))
       .def_property_readonly("target", triple_of(&Camera::target))
       .def_property_readonly("up", triple_of(&Camera::up))
       .def_readonly("fov", &Camera::fov)
+      .def_readonly("fov_across", &Camera::fov_across)
       .def_readonly("height", &Camera::height);
 }
 

@@ -41,18 +41,33 @@ struct Sky {
   Vec3 base{0.0, 0.0, 0.0};
 };
 
-enum class CameraKind : std::uint8_t { kPerspective, kOrthographic };
+enum class CameraKind : std::uint8_t { kPerspective, kOrthographic, kPanoramic };
 
 /// Look-at camera: w = unit(target − eye), u = unit(w × up), v = u × w. Pixel (i, j) of width × height has its centre
 /// at s = (2(i + ½)/width − 1)·aspect, r = 1 − 2(j + ½)/height. Perspective: origin eye, direction
-/// unit(w + tan(fov/2)·(s·u + r·v)). Orthographic: origin eye + height/2·(s·u + r·v), direction w.
+/// unit(w + tan(fov/2)·(s·u + r·v)). Orthographic: origin eye + height/2·(s·u + r·v), direction w. Panoramic
+/// (equirectangular): origin eye, direction cos φ·(cos λ·w + sin λ·u) + sin φ·v with the longitude
+/// λ = fov_across·((i + ½)/width − ½) and the latitude φ = fov·(½ − (j + ½)/height).
 struct Camera {
   CameraKind kind = CameraKind::kPerspective;
   Vec3 eye{0.0, 0.0, 1.0};
   Vec3 target{0.0, 0.0, 0.0};
   Vec3 up{0.0, 1.0, 0.0};
-  double fov = 45.0;    ///< vertical, degrees, in (0, 180); perspective only
-  double height = 2.0;  ///< of the picture in scene units; orthographic only
+  double fov = 45.0;          ///< vertical, degrees: in (0, 180) perspective, in (0, 180] panoramic
+  double fov_across = 360.0;  ///< horizontal, degrees, in (0, 360]; panoramic only
+  double height = 2.0;        ///< of the picture in scene units; orthographic only
+};
+
+/// A point in a pixel, from its upper left corner; the centre by default.
+struct PixelPoint {
+  double x = 0.5;
+  double y = 0.5;
+};
+
+/// Pixels of a picture that are computed: those from (x, y) on, width × height of them, inside the whole.
+struct Crop {
+  std::uint32_t x, y;
+  std::uint32_t width, height;
 };
 
 /// How rays are marched. `hit epsilon` at parameter t of a ray with origin o, the same for every marcher:

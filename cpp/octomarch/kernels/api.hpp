@@ -76,21 +76,23 @@ struct MarchOutput {
   std::int32_t* steps;   ///< evaluations of each ray; null when not wanted
 };
 
-/// A pinhole or parallel camera: pixel (i, j) looks along, or from, corner + (i + ½)·right + (j + ½)·down.
+/// A pinhole or parallel camera: pixel (i, j) looks along, or from, corner + (i + point₀)·right + (j + point₁)·down.
 template <class Real>
 struct CameraView {
   bool perspective;  ///< true: the sum is the direction (to be normalised); false: the origin
   Real corner[3];
   Real right[3];
   Real down[3];
+  Real point[2];  ///< in the pixel, from its upper left corner; (½, ½) is its centre
 };
 
 /// A rectangle of pixels, in packets of kPacketWidth × kPacketHeight, row by row: ray (packet·8 + lane) is pixel
 /// (x + lane % 4, y + lane / 4) of its packet. Rays of pixels outside width × height are NaN.
 struct TileView {
-  std::uint32_t x, y;  ///< first pixel
+  std::uint32_t x, y;  ///< first pixel, in the planes
   std::uint32_t packets_across, packets_down;
-  std::uint32_t width, height;  ///< of the picture
+  std::uint32_t width, height;  ///< of the planes
+  std::uint32_t left, top;      ///< where the planes begin in the whole picture
 };
 
 /// Surface points to be shaded, with what the kernels fill in.

@@ -1,5 +1,5 @@
-// Ray set-up before the march and illumination after it, in lanes: camera rays of a tile, what each light sends to each
-// point, and its Lambert and Phong terms (B. T. Phong, "Illumination for computer generated pictures", CACM 18(6), 1975).
+// Illumination after the march, in lanes: what each light sends to each point, and its Lambert and Phong terms
+// (B. T. Phong, "Illumination for computer generated pictures", CACM 18(6), 1975).
 #pragma once
 
 #include "octomarch/kernels/api.hpp"
@@ -7,46 +7,6 @@
 #include "octomarch/ops/math.hpp"
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
-
-template <class Real>
-void camera_rays(const CameraView<Real>& camera, const TileView& tile, const Vectors<Real>& out) {
-  using T = Lanes<Real>;
-  alignas(kAlignment) Real columns[kLanes];
-  alignas(kAlignment) Real rows[kLanes];
-  const std::size_t packets = std::size_t{tile.packets_across} * tile.packets_down;
-  std::size_t i = tile.x;
-  std::size_t j = tile.y;
-  for (std::size_t first = 0; first < packets; first += kPackets) {
-    // Pixel centres of a block of packets; those outside the picture become NaN, and so does their ray.
-    for (std::size_t slot = 0; slot < kPackets; ++slot) {
-      for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
-        const std::size_t column = i + lane % kPacketWidth;
-        const std::size_t row = j + lane / kPacketWidth;
-        columns[slot * kPacketLanes + lane] = static_cast<Real>(column) + Real(0.5);
-        rows[slot * kPacketLanes + lane] = static_cast<Real>(row) + Real(0.5);
-      }
-      i += kPacketWidth;
-      if (i >= tile.x + tile.packets_across * kPacketWidth) {
-        i = tile.x;
-        j += kPacketHeight;
-      }
-    }
-    for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
-      const T s = T::load(columns + lane);
-      const T r = T::load(rows + lane);
-      const T x = T(camera.corner[0]) + s * T(camera.right[0]) + r * T(camera.down[0]);
-      const T y = T(camera.corner[1]) + s * T(camera.right[1]) + r * T(camera.down[1]);
-      const T z = T(camera.corner[2]) + s * T(camera.right[2]) + r * T(camera.down[2]);
-      const Mask<Real> seen = (s < T(static_cast<Real>(tile.width))) & (r < T(static_cast<Real>(tile.height)));
-      const T length = camera.perspective ? sqrt(x * x + y * y + z * z) : T(Real(1));
-      const T scale = select(seen, T(Real(1)) / length, T(std::numeric_limits<Real>::quiet_NaN()));
-      const std::size_t ray = first * kPacketLanes + lane;
-      (x * scale).store(out.x + ray);
-      (y * scale).store(out.y + ray);
-      (z * scale).store(out.z + ray);
-    }
-  }
-}
 
 template <class Real>
 void light_samples(const SurfaceView<Real>& surface, const LightView<Real>& light, const LightSamples<Real>& out) {

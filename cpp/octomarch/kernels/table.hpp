@@ -1,6 +1,7 @@
 // The kernel table of one ISA: what an isa_*.cpp hands to the dispatcher. Included once, last, by each of them.
 #pragma once
 
+#include "octomarch/kernels/camera.hpp"
 #include "octomarch/kernels/march.hpp"
 #include "octomarch/kernels/shade.hpp"
 #include "octomarch/kernels/surface.hpp"

@@ -9,10 +9,10 @@
 namespace octomarch::reference {
 namespace {
 
-/// Makes the ray through the centre of each pixel; see Camera for the formulas.
+/// Makes the ray through a point of each pixel; see Camera for the formulas.
 class Lens {
  public:
-  Lens(const Camera& camera, int width, int height)
+  Lens(const Camera& camera, double width, double height)
       : camera_(camera),
         width_(width),
         height_(height),
@@ -22,10 +22,12 @@ class Lens {
         half_height_(camera.kind == CameraKind::kPerspective ? std::tan(camera.fov * std::numbers::pi / 360.0)
                                                              : 0.5 * camera.height) {}
 
+  /// `x` and `y` count pixels from the upper left corner of the picture.
   template <class T>
-  Ray<T> ray(int column, int row) const {
-    const double s = (2.0 * (column + 0.5) / width_ - 1.0) * width_ / height_;
-    const double r = 1.0 - 2.0 * (row + 0.5) / height_;
+  Ray<T> ray(double x, double y) const {
+    if (camera_.kind == CameraKind::kPanoramic) return panoramic<T>(x, y);
+    const double s = (2.0 * x / width_ - 1.0) * width_ / height_;
+    const double r = 1.0 - 2.0 * y / height_;
     const Vec3 offset = (right_ * s + up_ * r) * half_height_;
     const T pixel = T(half_height_ / height_);
     if (camera_.kind == CameraKind::kOrthographic) {
@@ -35,6 +37,16 @@ class Lens {
   }
 
  private:
+  template <class T>
+  Ray<T> panoramic(double x, double y) const {
+    constexpr double kDegree = std::numbers::pi / 180.0;
+    const double longitude = (x / width_ - 0.5) * camera_.fov_across * kDegree;
+    const double latitude = (0.5 - y / height_) * camera_.fov * kDegree;
+    const Vec3 level = forward_ * std::cos(longitude) + right_ * std::sin(longitude);
+    const Vec3 direction = level * std::cos(latitude) + up_ * std::sin(latitude);
+    return {vector<T>(camera_.eye), vector<T>(direction), T(0), T(0.5 * camera_.fov * kDegree / height_)};
+  }
+
   const Camera& camera_;
   double width_;
   double height_;
@@ -54,17 +66,18 @@ bool wants_surface(const Planes<T>& planes) {
 
 template <class T>
 void render(const NodePtr& root, const Scene& scene, const Camera& camera, const March& march, const Shading& shading,
-            int width, int height, double lipschitz, const Planes<T>& planes, const Poll& poll) {
+            const Extent& extent, double lipschitz, const Planes<T>& planes, const Poll& poll) {
   Evaluator<T> field(root, poll);
-  const Lens lens(camera, width, height);
+  const Lens lens(camera, extent.width, extent.height);
   const MarchLimits<T> limits(march, lipschitz);
   const Shader<T> shader(field, scene, shading, limits);
   const T normal_step = shading.normals == Normals::kCentral ? T(shading.normal_step) : T(0);
   const bool needs_surface = wants_surface(planes);
   std::size_t pixel = 0;
-  for (int row = 0; row < height; ++row) {
-    for (int column = 0; column < width; ++column, ++pixel) {
-      const Ray<T> ray = lens.ray<T>(column, row);
+  const Crop& crop = extent.crop;
+  for (std::uint32_t row = crop.y; row < crop.y + crop.height; ++row) {
+    for (std::uint32_t column = crop.x; column < crop.x + crop.width; ++column, ++pixel) {
+      const Ray<T> ray = lens.ray<T>(column + 0.5, row + 0.5);
       const Arrival<T> arrival = march_ray(field, ray, limits);
       const Surface<T> surface = needs_surface ? surface_at(field, ray, arrival, normal_step) : Surface<T>{};
       if (!planes.color.empty()) store(planes.color, pixel, shader.radiance(ray, arrival, surface));
@@ -78,9 +91,9 @@ void render(const NodePtr& root, const Scene& scene, const Camera& camera, const
   }
 }
 
-template void render(const NodePtr&, const Scene&, const Camera&, const March&, const Shading&, int, int, double,
+template void render(const NodePtr&, const Scene&, const Camera&, const March&, const Shading&, const Extent&, double,
                      const Planes<float>&, const Poll&);
-template void render(const NodePtr&, const Scene&, const Camera&, const March&, const Shading&, int, int, double,
+template void render(const NodePtr&, const Scene&, const Camera&, const March&, const Shading&, const Extent&, double,
                      const Planes<double>&, const Poll&);
 
 }  // namespace octomarch::reference

@@ -11,7 +11,7 @@
 
 namespace octomarch::reference {
 
-/// Where the planes of a picture go, row 0 at the top, pixels of a row from the left. An empty span is a plane that
+/// Where the planes of a picture go, width × height of the crop, row 0 at the top, pixels of a row from the left. An empty span is a plane that
 /// nobody wants.
 template <class T>
 struct Planes {
@@ -24,9 +24,16 @@ struct Planes {
   std::span<std::uint8_t> status;
 };
 
-/// Renders `root` under `scene` as width × height pixels in T = float or double.
+/// How large a picture is, and what of it the planes hold.
+struct Extent {
+  std::uint32_t width;
+  std::uint32_t height;
+  Crop crop;
+};
+
+/// Renders `root` under `scene` in T = float or double.
 template <class T>
 void render(const NodePtr& root, const Scene& scene, const Camera& camera, const March& march, const Shading& shading,
-            int width, int height, double lipschitz, const Planes<T>& planes, const Poll& poll);
+            const Extent& extent, double lipschitz, const Planes<T>& planes, const Poll& poll);
 
 }  // namespace octomarch::reference

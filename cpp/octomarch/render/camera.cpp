@@ -1,19 +1,45 @@
 #include "octomarch/render/camera.hpp"
 
 #include <numbers>
+#include <vector>
 
 namespace octomarch {
+
+namespace {
+
+constexpr double kRadians = std::numbers::pi / 180.0;  // per degree
+
+CameraFrame panoramic(const Camera& camera, const Vec3& right, const Vec3& up, const Vec3& forward, double width,
+                      double height) {
+  const double across = camera.fov_across * kRadians;
+  const double down = camera.fov * kRadians;
+  CameraFrame result{};
+  result.kind = camera.kind;
+  result.fixed = camera.eye;
+  result.corner = forward;
+  result.right = right;
+  result.down = up * -1.0;
+  result.pixel_slope = 0.5 * down / height;
+  result.longitude = -0.5 * across;
+  result.latitude = 0.5 * down;
+  result.column = across / width;
+  result.row = down / height;
+  return result;
+}
+
+}  // namespace
 
 CameraFrame frame(const Camera& camera, std::uint32_t width, std::uint32_t height) {
   const Vec3 w = normalized(camera.target - camera.eye);
   const Vec3 u = normalized(cross(w, camera.up));
   const Vec3 v = cross(u, w);
+  if (camera.kind == CameraKind::kPanoramic) return panoramic(camera, u, v, w, width, height);
   const bool perspective = camera.kind == CameraKind::kPerspective;
   const double half = perspective ? std::tan(camera.fov * std::numbers::pi / 360.0) : camera.height / 2.0;
   const double aspect = static_cast<double>(width) / static_cast<double>(height);
 
   CameraFrame result{};
-  result.perspective = perspective;
+  result.kind = camera.kind;
   result.fixed = perspective ? camera.eye : w;
   result.corner = (perspective ? w : camera.eye) - u * (half * aspect) + v * half;
   result.right = u * (2.0 * half * aspect / static_cast<double>(width));
@@ -23,5 +49,38 @@ CameraFrame frame(const Camera& camera, std::uint32_t width, std::uint32_t heigh
   result.pixel_radius = perspective ? 0.0 : pixel;
   return result;
 }
+
+template <class Real>
+void panoramic_rays(const CameraFrame& frame, const kernels::TileView& tile, const PixelPoint& point,
+                    VectorBuffer<Real>& directions) {
+  const std::size_t width = tile.packets_across * kernels::kPacketWidth;
+  const std::size_t height = tile.packets_down * kernels::kPacketHeight;
+  std::vector<Vec3> level(width);  // of each column, the direction at latitude 0; NaN outside the planes
+  for (std::size_t i = 0; i < width; ++i) {
+    const double pixel = static_cast<double>(tile.left + tile.x + i) + point.x;
+    const double longitude = frame.longitude + pixel * frame.column;
+    level[i] = frame.corner * std::cos(longitude) + frame.right * std::sin(longitude);
+    if (tile.x + i >= tile.width) level[i].x = level[i].y = level[i].z = std::numeric_limits<double>::quiet_NaN();
+  }
+  for (std::size_t j = 0; j < height; ++j) {
+    const double pixel = static_cast<double>(tile.top + tile.y + j) + point.y;
+    const double latitude = frame.latitude - pixel * frame.row;
+    const bool wanted = tile.y + j < tile.height;
+    const double cosine = wanted ? std::cos(latitude) : std::numeric_limits<double>::quiet_NaN();
+    const Vec3 rise = frame.down * -std::sin(latitude);
+    const std::size_t packets = j / kernels::kPacketHeight * tile.packets_across;
+    for (std::size_t i = 0; i < width; ++i) {
+      const Vec3 direction = level[i] * cosine + rise;
+      const std::size_t ray = (packets + i / kernels::kPacketWidth) * kernels::kPacketLanes +
+                              j % kernels::kPacketHeight * kernels::kPacketWidth + i % kernels::kPacketWidth;
+      directions.x[ray] = static_cast<Real>(direction.x);
+      directions.y[ray] = static_cast<Real>(direction.y);
+      directions.z[ray] = static_cast<Real>(direction.z);
+    }
+  }
+}
+
+template void panoramic_rays(const CameraFrame&, const kernels::TileView&, const PixelPoint&, VectorBuffer<float>&);
+template void panoramic_rays(const CameraFrame&, const kernels::TileView&, const PixelPoint&, VectorBuffer<double>&);
 
 }  // namespace octomarch

@@ -11,7 +11,7 @@
 
 namespace octomarch {
 
-/// Where each plane goes, row 0 at the top; null for a plane that is not wanted and will not be computed.
+/// Where each plane goes, width × height of the crop, row 0 at the top; null for a plane that is not wanted and will not be computed.
 template <class Real>
 struct Planes {
   Real* color = nullptr;     ///< (height, width, 3), linear
@@ -30,8 +30,9 @@ struct Picture {
   Camera camera;
   March march;
   Shading shading;
-  std::uint32_t width;
+  std::uint32_t width;  ///< of the whole picture
   std::uint32_t height;
+  Crop crop;  ///< what the planes hold of it
 };
 
 /// Exact counts of the work, and seconds summed over the workers.
@@ -46,7 +47,7 @@ struct RenderStats {
   double seconds_shade = 0.0;
 };
 
-/// Contract: width, height ≥ 1; planes are width × height. Throws what the listener throws.
+/// Contract: width, height ≥ 1; the crop lies within them and is not empty; planes are as large as it. Throws what the listener throws.
 template <class Real>
 RenderStats render(const Picture& picture, const Planes<Real>& planes, const kernels::Isa& isa, unsigned threads,
                    const Listener& listener);

@@ -10,8 +10,8 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-/// Calls f(pixel, ray, count) for each row of a packet that lies in the picture: `count` pixels side by side from index
-/// `pixel` of the picture on, and as many rays from index `ray` of the tile on.
+/// Calls f(pixel, ray, count) for each row of a packet that lies in the planes: `count` pixels side by side from index
+/// `pixel` of the planes on, and as many rays from index `ray` of the tile on.
 template <class Function>
 void for_each_run(const kernels::TileView& tile, Function&& f) {
   for (std::uint32_t packet_y = 0; packet_y < tile.packets_down; ++packet_y) {
@@ -57,11 +57,10 @@ void store(Real* plane, std::size_t pixel, Real x, Real y, Real z) {
 
 /// Large tiles keep blocks full for longer; long programs get small ones, so that a cancelled render ends soon.
 TileGrid::TileGrid(const Picture& picture)
-    : width(picture.width),
-      height(picture.height),
+    : crop(picture.crop),
       edge(picture.program->distance().code.size() < 1000 ? 64 : 16),
-      across((width + edge - 1) / edge),
-      down((height + edge - 1) / edge) {}
+      across((crop.width + edge - 1) / edge),
+      down((crop.height + edge - 1) / edge) {}
 
 kernels::TileView TileGrid::tile(std::size_t index) const {
   const std::uint32_t x = static_cast<std::uint32_t>(index % across) * edge;
@@ -71,10 +70,12 @@ kernels::TileView TileGrid::tile(std::size_t index) const {
   };
   return {x,
           y,
-          packets(std::min(edge, width - x), kernels::kPacketWidth),
-          packets(std::min(edge, height - y), kernels::kPacketHeight),
-          width,
-          height};
+          packets(std::min(edge, crop.width - x), kernels::kPacketWidth),
+          packets(std::min(edge, crop.height - y), kernels::kPacketHeight),
+          crop.width,
+          crop.height,
+          crop.x,
+          crop.y};
 }
 
 template <class Real>
@@ -95,17 +96,17 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& pla
     return kernels::Column<Real>{values, static_cast<Real>(value)};
   };
   const Vec3& fixed = frame_.fixed;
-  const bool perspective = frame_.perspective;
-  columns_.ox = perspective ? column(nullptr, fixed.x) : column(batch_.origin.x.data(), 0);
-  columns_.oy = perspective ? column(nullptr, fixed.y) : column(batch_.origin.y.data(), 0);
-  columns_.oz = perspective ? column(nullptr, fixed.z) : column(batch_.origin.z.data(), 0);
-  columns_.dx = perspective ? column(batch_.direction.x.data(), 0) : column(nullptr, fixed.x);
-  columns_.dy = perspective ? column(batch_.direction.y.data(), 0) : column(nullptr, fixed.y);
-  columns_.dz = perspective ? column(batch_.direction.z.data(), 0) : column(nullptr, fixed.z);
+  const bool one_origin = frame_.one_origin();
+  columns_.ox = one_origin ? column(nullptr, fixed.x) : column(batch_.origin.x.data(), 0);
+  columns_.oy = one_origin ? column(nullptr, fixed.y) : column(batch_.origin.y.data(), 0);
+  columns_.oz = one_origin ? column(nullptr, fixed.z) : column(batch_.origin.z.data(), 0);
+  columns_.dx = one_origin ? column(batch_.direction.x.data(), 0) : column(nullptr, fixed.x);
+  columns_.dy = one_origin ? column(batch_.direction.y.data(), 0) : column(nullptr, fixed.y);
+  columns_.dz = one_origin ? column(batch_.direction.z.data(), 0) : column(nullptr, fixed.z);
 
   // hit epsilon: absolute, rounding error and pixel footprint (see March)
   const auto reach = [&](double Vec3::* axis) {
-    if (perspective) return std::fabs(fixed.*axis);
+    if (one_origin) return std::fabs(fixed.*axis);
     return std::fabs(frame_.corner.*axis) + std::fabs(frame_.right.*axis) * picture.width +
            std::fabs(frame_.down.*axis) * picture.height;
   };
@@ -120,7 +121,8 @@ template <class Real>
 void TileRenderer<Real>::render(std::size_t index, const bool& cancelled) {
   const kernels::TileView tile = grid_.tile(index);
   const auto start = std::chrono::steady_clock::now();
-  march(tile, cancelled);
+  cast(tile, PixelPoint{});
+  march(cancelled);
   stats_.seconds_march += seconds_since(start);
   if (is_set(cancelled)) return;
 
@@ -142,10 +144,20 @@ void TileRenderer<Real>::render(std::size_t index, const bool& cancelled) {
   stats_.seconds_shade += seconds_since(shading_start);
 }
 
+/// Rays through one point of each pixel of a tile.
 template <class Real>
-void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancelled) {
+void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& point) {
   rays_ = std::size_t{tile.packets_across} * tile.packets_down * kernels::kPacketLanes;
-  kernels_.camera_rays(view<Real>(frame_), tile, frame_.perspective ? batch_.direction.view() : batch_.origin.view());
+  if (frame_.kind == CameraKind::kPanoramic) {
+    panoramic_rays(frame_, tile, point, batch_.direction);
+  } else {
+    kernels_.camera_rays(view<Real>(frame_, point), tile,
+                         frame_.one_origin() ? batch_.direction.view() : batch_.origin.view());
+  }
+}
+
+template <class Real>
+void TileRenderer<Real>::march(const bool& cancelled) {
   const kernels::RayView<Real> rays{columns_.ox,
                                     columns_.oy,
                                     columns_.oz,

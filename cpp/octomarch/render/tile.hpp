@@ -11,7 +11,7 @@
 
 namespace octomarch {
 
-/// Tiles of a picture, row by row; edges are whole packets.
+/// Tiles of what is computed of a picture, row by row; edges are whole packets.
 struct TileGrid {
   TileGrid(const Picture& picture);
 
@@ -19,8 +19,8 @@ struct TileGrid {
   std::size_t rays() const { return std::size_t{edge} * edge; }
   kernels::TileView tile(std::size_t index) const;
 
-  std::uint32_t width, height;  ///< of the picture
-  std::uint32_t edge;           ///< of a tile, pixels
+  Crop crop;
+  std::uint32_t edge;  ///< of a tile, pixels
   std::uint32_t across, down;
 };
 
@@ -34,7 +34,8 @@ class TileRenderer {
   const RenderStats& stats() const { return stats_; }
 
  private:
-  void march(const kernels::TileView& tile, const bool& cancelled);
+  void cast(const kernels::TileView& tile, const PixelPoint& point);
+  void march(const bool& cancelled);
   void clear(const kernels::TileView& tile);
   void write_rays(const kernels::TileView& tile);
   void write_surfaces(const kernels::TileView& tile);
