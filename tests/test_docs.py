@@ -49,7 +49,7 @@ def test_blocks_of_pages_run(page: Path, monkeypatch: pytest.MonkeyPatch, tmp_pa
     monkeypatch.chdir(tmp_path)
     import blocks
 
-    assert blocks.run_page(page.read_text()) > 0
+    assert blocks.run_page(page) > 0
 
 
 @pytest.mark.parametrize("script", GALLERY, ids=lambda script: script.stem)

@@ -5,8 +5,10 @@ picture of each line's expression, side by side. `blocks.py` runs the code. Pict
 which they are shown.
 """
 
+import contextlib
 import os
 import traceback
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, cast
 
@@ -36,10 +38,16 @@ class Block(SphinxDirective):
         """The names that earlier blocks of the page have defined."""
         return cast(dict[str, Any], self.env.temp_data.setdefault("octomarch_names", blocks.names_of_page()))
 
-    def failure(self) -> Exception:
-        """Return the error that tells what went wrong in the block."""
-        trace = traceback.format_exc(limit=-2)
-        return cast(Exception, self.error(f"the block does not run:\n{trace}"))
+    @contextlib.contextmanager
+    def running(self) -> Iterator[tuple[str, int]]:
+        """Run the block in a folder of its page, for files it saves; gives the page and the line before the code."""
+        files = Path(self.env.doctreedir) / "files" / self.env.docname
+        files.mkdir(parents=True, exist_ok=True)
+        try:
+            with contextlib.chdir(files):
+                yield str(self.env.doc2path(self.env.docname)), self.content_offset
+        except Exception:
+            raise self.error(f"the block does not run:\n{traceback.format_exc(limit=-3)}") from None
 
     def image(self, image: om.Image, alt: str) -> nodes.image:
         """Return the node that shows a picture; its file lies among the doctrees, where it is as old as they are."""
@@ -60,10 +68,8 @@ class Example(Block):
     def run(self) -> list[nodes.Node]:
         """Run the block and return what to show."""
         code = "\n".join(self.content)
-        try:
-            result = blocks.run(code, self.names)
-        except Exception:
-            raise self.failure() from None
+        with self.running() as where:
+            result = blocks.run(code, self.names, *where)
         shown = nodes.container(classes=["example"])
         if "hide-code" not in self.options:
             shown += self.literal(code, "python")
@@ -72,7 +78,8 @@ class Example(Block):
         if len(result.pictures) == 1:
             shown += self.image(result.pictures[0][1], self.options.get("alt", ""))
         elif result.pictures:
-            grid = nodes.container(classes=["cards"])
+            wide = any(picture.size[0] > 1.6 * picture.size[1] for _, picture in result.pictures)
+            grid = nodes.container(classes=["cards", "pairs"] if wide or len(result.pictures) in (2, 4) else ["cards"])
             for caption, picture in result.pictures:
                 grid += card(self.image(picture, caption), nodes.paragraph("", caption, classes=["caption"]))
             shown += grid
@@ -86,21 +93,21 @@ class Example(Block):
 
 
 class Cards(Block):
-    """A grid of pictures, each with the expression that it shows; the argument names the function that renders it."""
+    """A grid of pictures, each with the expression that it shows; the argument names the look if not a portrait."""
 
     optional_arguments = 1
 
     def run(self) -> list[nodes.Node]:
         """Run all lines and return the grid."""
         grid = nodes.container(classes=["cards"])
-        try:
-            for found in blocks.cards("\n".join(self.content), self.names, *self.arguments):
-                code = nodes.literal_block(found.code, found.code, language="python")
-                text, _ = self.state.inline_text(found.caption, self.lineno)
-                caption = nodes.paragraph("", "", *text, classes=["caption"])
-                grid += card(self.image(found.image, found.code), code, caption)
-        except Exception:
-            raise self.failure() from None
+        look = self.arguments[0] if self.arguments else "portrait"
+        with self.running() as where:
+            found = list(blocks.cards("\n".join(self.content), self.names, look, *where))
+        for each in found:
+            code = nodes.literal_block(each.code, each.code, language="python")
+            text, _ = self.state.inline_text(each.caption, self.lineno)
+            caption = nodes.paragraph("", "", *text, classes=["caption"])
+            grid += card(self.image(each.image, each.code), code, caption)
         return [grid]
 
 
