@@ -91,7 +91,8 @@ def test_metadata_tells_how_the_picture_was_made():
     assert metadata["camera"] == {"type": "Camera", "eye": (0, 0, 4), "target": (0, 0, 0), "up": (0, 1, 0), "fov": 45}
     assert metadata["march"]["max_steps"] == 99
     assert metadata["march"]["epsilon"] > 0
-    assert metadata["render"] == {"size": SMALL, "crop": None, "planes": ["color", "depth"], "precision": "float32"}
+    settings = {"size": SMALL, "crop": None, "samples": 1, "planes": ["color", "depth"], "precision": "float32"}
+    assert metadata["render"] == settings
     assert "sphere" in metadata["scene"]["listing"]
     json.dumps(metadata)
 

@@ -47,21 +47,23 @@ def check_same(part: om.Image, all_of_it: om.Image, crop: tuple[int, int, int, i
 
 
 @settings(max_examples=25)
-@given(crop=crops(), camera=st.sampled_from(sorted(CAMERAS)), threads=st.integers(1, 3))
+@given(
+    crop=crops(), camera=st.sampled_from(sorted(CAMERAS)), samples=st.sampled_from([1, 1, 3]), threads=st.integers(1, 3)
+)
 def test_crops_hold_the_bits_of_the_whole(
-    isa: str, precision: str, crop: tuple[int, int, int, int], camera: str, threads: int
+    isa: str, precision: str, crop: tuple[int, int, int, int], camera: str, samples: int, threads: int
 ):
-    options = {"precision": precision, "isa": isa}
+    options = {"precision": precision, "isa": isa, "samples": samples}
     part = om.render(SCENE, CAMERAS[camera], SIZE, planes=tuple(PLANES), crop=crop, threads=threads, **options)
     check_same(part, whole(camera, **options), crop)
-    assert part.stats["rays"] == crop[2] * crop[3]
+    assert part.stats["rays"] == crop[2] * crop[3] * (1 if samples == 1 else samples + 1)
 
 
 @settings(max_examples=20)
-@given(crop=crops(), camera=st.sampled_from(sorted(CAMERAS)))
-def test_crops_of_the_reference_hold_the_bits_of_the_whole(crop: tuple[int, int, int, int], camera: str):
+@given(crop=crops(), camera=st.sampled_from(sorted(CAMERAS)), samples=st.sampled_from([1, 2]))
+def test_crops_of_the_reference_hold_the_bits_of_the_whole(crop: tuple[int, int, int, int], camera: str, samples: int):
     crop = crop[0] // 6, crop[1] // 6, min(crop[2], 2), min(crop[3], 2)
-    options = {"size": (14, 13), "planes": REFERENCE_PLANES}
+    options = {"size": (14, 13), "planes": REFERENCE_PLANES, "samples": samples}
     part = om.reference.render(SCENE, CAMERAS[camera], crop=crop, **options)
     check_same(part, om.reference.render(SCENE, CAMERAS[camera], **options), crop)
 

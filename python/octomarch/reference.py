@@ -169,6 +169,7 @@ def render(
     shading: Shading | None = None,
     planes: ReferencePlane | Sequence[ReferencePlane] = ("color",),
     dtype: Precision = "float64",
+    samples: int = 1,
     crop: Sequence[int] | None = None,
 ) -> Image:
     """Render a picture, pixel after pixel; see `octomarch.render`.
@@ -189,6 +190,8 @@ def render(
         What to compute, of ``color depth position normal material_id steps status``.
     dtype : {"float64", "float32"}
         Arithmetic, and type of the planes of floats.
+    samples : int
+        Rays per pixel whose colours are averaged, 1 to 64.
     crop : (int, int, int, int), optional
         x, y, width and height of what is rendered, in pixels of the whole picture; None for all of it.
 
@@ -215,6 +218,7 @@ def render(
     """
     width, height = check.size(size)
     window = check.crop(crop, (width, height))
+    rays = check.integer("samples", samples, 1, 64)
     names = check.planes(planes, REFERENCE_PLANES)
     if not names:
         raise ValueError("planes must name at least one plane, got none")
@@ -233,6 +237,7 @@ def render(
         width,
         height,
         window,
+        rays,
         names,
         program.lipschitz,
         precision,
@@ -240,6 +245,7 @@ def render(
     settings = {
         "size": (width, height),
         "crop": None if crop is None else window,
+        "samples": rays,
         "planes": names,
         "precision": precision,
         "renderer": "reference",

@@ -38,6 +38,7 @@ def render(
     shading: Shading | None = None,
     planes: PlaneName | Sequence[PlaneName] | Sequence[str] = ("color",),
     precision: Precision = "float32",
+    samples: int = 1,
     crop: Sequence[int] | None = None,
     threads: int | None = None,
     isa: str | None = None,
@@ -62,6 +63,9 @@ def render(
         it is asked for.
     precision : {"float32", "float64"}
         Arithmetic, and type of the planes of floats.
+    samples : int
+        Rays per pixel whose colours are averaged, 1 to 64, at fixed places that are well spread; 1 is the centre. The
+        other planes are those of the centre, at the cost of one more ray where there are several samples.
     crop : (int, int, int, int), optional
         x, y, width and height of what is rendered, in pixels from the upper left corner of the whole picture. The
         planes are as large as the crop, and hold the same bits as there. None: all of it.
@@ -95,6 +99,7 @@ def render(
     """
     width, height = check.size(size)
     window = check.crop(crop, (width, height))
+    rays = check.integer("samples", samples, 1, 64)
     names = check.planes(planes, tuple(PLANES))
     options = check.precision(precision), check.threads(threads), check.isa(isa)
     march, shading = _or_default(March, "march", march), _or_default(Shading, "shading", shading)
@@ -116,6 +121,7 @@ def render(
             width,
             height,
             window,
+            rays,
             names,
             *options,
             report,
@@ -123,6 +129,7 @@ def render(
     settings = {
         "size": (width, height),
         "crop": None if crop is None else window,
+        "samples": rays,
         "planes": names,
         "precision": options[0],
     }

@@ -90,10 +90,11 @@ reference::Planes<T> planes_named(const std::vector<std::string>& names, Results
 }
 
 py::dict render(const NodePtr& node, const Scene& scene, const Camera& camera, const March& march,
-                const Shading& shading, std::uint32_t width, std::uint32_t height, const CropBox& crop,
+                const Shading& shading, std::uint32_t width, std::uint32_t height, const CropBox& crop, int samples,
                 const std::vector<std::string>& planes, double lipschitz, const std::string& dtype) {
   require(width >= 1, "width", ">= 1", width);
   require(height >= 1, "height", ">= 1", height);
+  require(samples >= 1, "samples", ">= 1", samples);
   require_lipschitz(lipschitz);
   const Crop window = crop_of(crop, width, height);
   return with_precision("dtype", dtype, [&]<class T>(T) {
@@ -101,7 +102,8 @@ py::dict render(const NodePtr& node, const Scene& scene, const Camera& camera, c
     const reference::Planes<T> wanted = planes_named<T>(planes, results);
     {
       const py::gil_scoped_release release;
-      reference::render(node, scene, camera, march, shading, {width, height, window}, lipschitz, wanted, check_signals);
+      reference::render(node, scene, camera, march, shading, {width, height, window, samples}, lipschitz, wanted,
+                        check_signals);
     }
     return results.take();
   });
@@ -116,7 +118,7 @@ void register_reference(py::module_& module) {
              py::arg("march"), py::arg("t_max"), py::arg("lipschitz"), py::arg("dtype"));
   module.def("reference_render", &render, py::arg("node").none(false), py::arg("scene"), py::arg("camera"),
              py::arg("march"), py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"),
-             py::arg("planes"), py::arg("lipschitz"), py::arg("dtype"));
+             py::arg("samples"), py::arg("planes"), py::arg("lipschitz"), py::arg("dtype"));
 }
 
 }  // namespace octomarch

@@ -34,8 +34,8 @@ Planes<Real> planes_named(const std::vector<std::string>& names, Results& result
   return planes;
 }
 
-py::dict stats_dict(const RenderStats& stats, const Picture& picture, const kernels::Isa& isa, unsigned threads,
-                    const std::string& precision, double seconds) {
+py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned threads, const std::string& precision,
+                    double seconds) {
   const kernels::Counters& primary = stats.primary;
   const std::uint64_t slots = primary.lane_slots + stats.shadow.lane_slots;
   const std::uint64_t used = primary.evaluations + stats.shadow.evaluations;
@@ -43,7 +43,7 @@ py::dict stats_dict(const RenderStats& stats, const Picture& picture, const kern
   dict["isa"] = isa.name;
   dict["precision"] = precision;
   dict["threads"] = threads;
-  dict["rays"] = std::uint64_t{picture.crop.width} * picture.crop.height;
+  dict["rays"] = stats.rays;
   dict["primary_evaluations"] = primary.evaluations;
   dict["gradient_evaluations"] = stats.gradient_evaluations;
   dict["attribute_evaluations"] = stats.attribute_evaluations;
@@ -71,13 +71,14 @@ Listener listener_for(const py::object& progress) {
 
 py::tuple render_planes(const Program& program, const Scene& scene, const Camera& camera, const March& march,
                         const Shading& shading, std::uint32_t width, std::uint32_t height, const CropBox& crop,
-                        const std::vector<std::string>& planes, const std::string& precision, int threads,
+                        int samples, const std::vector<std::string>& planes, const std::string& precision, int threads,
                         const std::string& isa, const py::object& progress) {
   require(width >= 1, "width", ">= 1", width);
   require(height >= 1, "height", ">= 1", height);
+  require(samples >= 1, "samples", ">= 1", samples);
   require(threads >= 0, "threads", ">= 0 (0 = all cores)", threads);
   const kernels::Isa& chosen = kernels::find_isa(isa);
-  const Picture picture{&program, &scene, camera, march, shading, width, height, crop_of(crop, width, height)};
+  const Picture picture{&program, &scene, camera, march, shading, width, height, crop_of(crop, width, height), samples};
   const unsigned workers = thread_count(static_cast<unsigned>(threads));
   const Listener listener = listener_for(progress);
   return with_precision("precision", precision, [&]<class Real>(Real) {
@@ -91,7 +92,7 @@ py::tuple render_planes(const Program& program, const Scene& scene, const Camera
       stats = render<Real>(picture, wanted, chosen, workers, listener);
     }
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-    return py::make_tuple(results.take(), stats_dict(stats, picture, chosen, workers, precision, seconds));
+    return py::make_tuple(results.take(), stats_dict(stats, chosen, workers, precision, seconds));
   });
 }
 
@@ -99,8 +100,8 @@ py::tuple render_planes(const Program& program, const Scene& scene, const Camera
 
 void register_render(py::module_& module) {
   module.def("render", &render_planes, py::arg("program"), py::arg("scene"), py::arg("camera"), py::arg("march"),
-             py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"), py::arg("planes"),
-             py::arg("precision"), py::arg("threads"), py::arg("isa"), py::arg("progress"));
+             py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"), py::arg("samples"),
+             py::arg("planes"), py::arg("precision"), py::arg("threads"), py::arg("isa"), py::arg("progress"));
 }
 
 }  // namespace octomarch

@@ -64,6 +64,13 @@ struct PixelPoint {
   double y = 0.5;
 };
 
+/// Where `count` samples of a pixel lie, the same in every pixel: sample k at x = (k + ½)/count, y = (rank + ½)/count, the
+/// rank being that of frac(½ + k/φ) among all `count` of them, φ the golden ratio. So each lies in a column and a row of
+/// its own (n-rooks: P. Shirley, "Discrepancy as a quality measure for sample distributions", Eurographics 1991), their
+/// mean is the centre, and neighbours are far apart (Kronecker sequence: L. Kuipers, H. Niederreiter, "Uniform
+/// Distribution of Sequences", 1974, ch. 2.3). One sample is the centre, four are a rotated grid.
+std::vector<PixelPoint> sample_points(int count);
+
 /// Pixels of a picture that are computed: those from (x, y) on, width × height of them, inside the whole.
 struct Crop {
   std::uint32_t x, y;

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "octomarch/reference/shade.hpp"
 
@@ -56,10 +57,58 @@ class Lens {
   double half_height_;  // of the picture, at unit distance for perspective
 };
 
-/// True when a plane is wanted that says more of a ray than how far it came.
+/// Draws single pixels of one picture. Keeps references to its arguments.
 template <class T>
-bool wants_surface(const Planes<T>& planes) {
-  return !(planes.color.empty() && planes.position.empty() && planes.normal.empty() && planes.material_id.empty());
+class Pixels {
+ public:
+  Pixels(Evaluator<T>& field, const Scene& scene, const Lens& lens, const MarchLimits<T>& limits,
+         const Shading& shading, int samples)
+      : field_(field),
+        lens_(lens),
+        limits_(limits),
+        shader_(field, scene, shading, limits),
+        normal_step_(shading.normals == Normals::kCentral ? T(shading.normal_step) : T(0)),
+        samples_(sample_points(samples)) {}
+
+  /// The mean over the samples of a pixel.
+  Vector<T> color(std::uint32_t column, std::uint32_t row) const {
+    Vector<double> sum(0);
+    for (const PixelPoint& point : samples_) {
+      const Ray<T> ray = lens_.ray<T>(column + point.x, row + point.y);
+      const Arrival<T> arrival = march_ray(field_, ray, limits_);
+      sum += Vector<double>(shader_.radiance(ray, arrival, surface_at(field_, ray, arrival, normal_step_)));
+    }
+    return Vector<T>(sum / static_cast<double>(samples_.size()));
+  }
+
+  /// Stores what the ray through a pixel's centre found as element `i` of the planes.
+  void store_centre(std::uint32_t column, std::uint32_t row, const Planes<T>& planes, std::size_t i) const {
+    const Ray<T> ray = lens_.ray<T>(column + 0.5, row + 0.5);
+    const Arrival<T> arrival = march_ray(field_, ray, limits_);
+    const bool needs_surface = !(planes.position.empty() && planes.normal.empty() && planes.material_id.empty());
+    const Surface<T> surface = needs_surface ? surface_at(field_, ray, arrival, normal_step_) : Surface<T>{};
+    store(planes.depth, i, arrival.t);
+    store(planes.position, i, surface.position);
+    store(planes.normal, i, surface.normal);
+    store(planes.material_id, i, static_cast<std::int32_t>(surface.material));
+    store(planes.steps, i, static_cast<std::int32_t>(arrival.steps));
+    store(planes.status, i, static_cast<std::uint8_t>(arrival.status));
+  }
+
+ private:
+  Evaluator<T>& field_;
+  const Lens& lens_;
+  const MarchLimits<T>& limits_;
+  const Shader<T> shader_;
+  const T normal_step_;
+  const std::vector<PixelPoint> samples_;
+};
+
+/// True when a plane beside the colours is wanted.
+template <class T>
+bool wants_centre(const Planes<T>& planes) {
+  return !(planes.depth.empty() && planes.position.empty() && planes.normal.empty() && planes.material_id.empty() &&
+           planes.steps.empty() && planes.status.empty());
 }
 
 }  // namespace
@@ -70,23 +119,13 @@ void render(const NodePtr& root, const Scene& scene, const Camera& camera, const
   Evaluator<T> field(root, poll);
   const Lens lens(camera, extent.width, extent.height);
   const MarchLimits<T> limits(march, lipschitz);
-  const Shader<T> shader(field, scene, shading, limits);
-  const T normal_step = shading.normals == Normals::kCentral ? T(shading.normal_step) : T(0);
-  const bool needs_surface = wants_surface(planes);
-  std::size_t pixel = 0;
+  const Pixels<T> pixels(field, scene, lens, limits, shading, extent.samples);
   const Crop& crop = extent.crop;
+  std::size_t i = 0;
   for (std::uint32_t row = crop.y; row < crop.y + crop.height; ++row) {
-    for (std::uint32_t column = crop.x; column < crop.x + crop.width; ++column, ++pixel) {
-      const Ray<T> ray = lens.ray<T>(column + 0.5, row + 0.5);
-      const Arrival<T> arrival = march_ray(field, ray, limits);
-      const Surface<T> surface = needs_surface ? surface_at(field, ray, arrival, normal_step) : Surface<T>{};
-      if (!planes.color.empty()) store(planes.color, pixel, shader.radiance(ray, arrival, surface));
-      store(planes.depth, pixel, arrival.t);
-      store(planes.position, pixel, surface.position);
-      store(planes.normal, pixel, surface.normal);
-      store(planes.material_id, pixel, static_cast<std::int32_t>(surface.material));
-      store(planes.steps, pixel, static_cast<std::int32_t>(arrival.steps));
-      store(planes.status, pixel, static_cast<std::uint8_t>(arrival.status));
+    for (std::uint32_t column = crop.x; column < crop.x + crop.width; ++column, ++i) {
+      if (!planes.color.empty()) store(planes.color, i, pixels.color(column, row));
+      if (wants_centre(planes)) pixels.store_centre(column, row, planes, i);
     }
   }
 }

@@ -24,11 +24,12 @@ struct Planes {
   std::span<std::uint8_t> status;
 };
 
-/// How large a picture is, and what of it the planes hold.
+/// How large a picture is, what of it the planes hold, and how many samples its colours take.
 struct Extent {
   std::uint32_t width;
   std::uint32_t height;
   Crop crop;
+  int samples;
 };
 
 /// Renders `root` under `scene` in T = float or double.

@@ -17,6 +17,7 @@ void add(kernels::Counters& sum, const kernels::Counters& part) {
 }
 
 void add(RenderStats& sum, const RenderStats& part) {
+  sum.rays += part.rays;
   add(sum.primary, part.primary);
   add(sum.shadow, part.shadow);
   sum.shadow_rays += part.shadow_rays;

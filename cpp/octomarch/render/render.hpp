@@ -22,6 +22,8 @@ struct Planes {
   std::int32_t* material_id = nullptr;
   std::int32_t* steps = nullptr;
   std::uint8_t* status = nullptr;
+
+  friend bool operator==(const Planes&, const Planes&) = default;
 };
 
 struct Picture {
@@ -32,11 +34,13 @@ struct Picture {
   Shading shading;
   std::uint32_t width;  ///< of the whole picture
   std::uint32_t height;
-  Crop crop;  ///< what the planes hold of it
+  Crop crop;    ///< what the planes hold of it
+  int samples;  ///< of each pixel's colour, ≥ 1; other planes are of its centre
 };
 
 /// Exact counts of the work, and seconds summed over the workers.
 struct RenderStats {
+  std::uint64_t rays = 0;  ///< primary ones
   kernels::Counters primary;
   kernels::Counters shadow;
   std::uint64_t shadow_rays = 0;

@@ -82,15 +82,17 @@ template <class Real>
 TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& planes,
                                  const kernels::KernelTable<Real>& kernels, const TileGrid& grid)
     : picture_(picture),
+      wanted_(planes),
+      samples_(sample_points(picture.samples)),
       planes_(planes),
       kernels_(kernels),
       grid_(grid),
       frame_(frame(picture.camera, picture.width, picture.height)),
       batch_(kernels::padded_lanes(grid.rays())),
       registers_(march_memory<Real>(picture.program->distance())) {
-  const bool surfaces = planes.color || planes.position || planes.normal || planes.object_id || planes.material_id;
-  if (surfaces) surface_.emplace(*picture.program, kernels, batch_.t.size());
+  if (needs_surface()) surface_.emplace(*picture.program, kernels, batch_.t.size());
   if (planes.color) illumination_.emplace(picture, kernels, batch_.t.size());
+  if (planes.color && samples_.size() > 1) sum_ = Buffer<double>(3 * batch_.t.size());
 
   const auto column = [](const Real* values, double value) {
     return kernels::Column<Real>{values, static_cast<Real>(value)};
@@ -118,17 +120,37 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& pla
 }
 
 template <class Real>
+bool TileRenderer<Real>::needs_surface() const {
+  return planes_.color || planes_.position || planes_.normal || planes_.object_id || planes_.material_id;
+}
+
+template <class Real>
 void TileRenderer<Real>::render(std::size_t index, const bool& cancelled) {
   const kernels::TileView tile = grid_.tile(index);
+  if (samples_.size() == 1 || !wanted_.color) return pass(tile, PixelPoint{}, wanted_, cancelled);
+  Planes<Real> centre = wanted_;
+  centre.color = nullptr;
+  if (!(centre == Planes<Real>{})) pass(tile, PixelPoint{}, centre, cancelled);
+  for (std::size_t sample = 0; sample < samples_.size() && !is_set(cancelled); ++sample) {
+    pass(tile, samples_[sample], {.color = wanted_.color}, cancelled);
+    add_sample(tile, sample);
+  }
+}
+
+/// Marches and shades one ray per pixel.
+template <class Real>
+void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& point, const Planes<Real>& planes,
+                              const bool& cancelled) {
+  planes_ = planes;
   const auto start = std::chrono::steady_clock::now();
-  cast(tile, PixelPoint{});
+  cast(tile, point);
   march(cancelled);
   stats_.seconds_march += seconds_since(start);
   if (is_set(cancelled)) return;
 
   const auto shading_start = std::chrono::steady_clock::now();
   write_rays(tile);
-  if (surface_) {
+  if (needs_surface()) {
     clear(tile);
     surface_->gather(batch_, columns_, epsilon_, rays_);
     if (planes_.color || planes_.normal)
@@ -137,7 +159,7 @@ void TileRenderer<Real>::render(std::size_t index, const bool& cancelled) {
     if (planes_.object_id || planes_.material_id || several) {
       stats_.attribute_evaluations += surface_->find_objects(cancelled);
     }
-    if (illumination_) illumination_->run(*surface_, cancelled, stats_);
+    if (planes_.color) illumination_->run(*surface_, cancelled, stats_);
     write_surfaces(tile);
   }
   if (planes_.color) write_sky(tile);
@@ -148,6 +170,7 @@ void TileRenderer<Real>::render(std::size_t index, const bool& cancelled) {
 template <class Real>
 void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& point) {
   rays_ = std::size_t{tile.packets_across} * tile.packets_down * kernels::kPacketLanes;
+  for_each_run(tile, [&](std::size_t, std::size_t, std::size_t count) { stats_.rays += count; });
   if (frame_.kind == CameraKind::kPanoramic) {
     panoramic_rays(frame_, tile, point, batch_.direction);
   } else {
@@ -170,7 +193,7 @@ void TileRenderer<Real>::march(const bool& cancelled) {
   const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / picture_.program->lipschitz()),
                                                   columns_.epsilon_slope, picture_.march.max_steps,
                                                   picture_.march.secant_finish, &cancelled};
-  const bool needs_status = planes_.status || surface_;
+  const bool needs_status = planes_.status || needs_surface();
   const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.unfinished.data(),
                                        needs_status ? batch_.status.data() : nullptr,
                                        planes_.steps ? batch_.steps.data() : nullptr};
@@ -228,6 +251,20 @@ void TileRenderer<Real>::write_sky(const kernels::TileView& tile) {
                           RayColumns<Real>::at(columns_.dy, ray), RayColumns<Real>::at(columns_.dz, ray));
       store(planes_.color, first_pixel + i, static_cast<Real>(color.x), static_cast<Real>(color.y),
             static_cast<Real>(color.z));
+    }
+  });
+}
+
+/// Adds what the colour plane holds to the sum over samples; the last leaves their mean there.
+template <class Real>
+void TileRenderer<Real>::add_sample(const kernels::TileView& tile, std::size_t sample) {
+  const auto count = static_cast<double>(samples_.size());
+  for_each_run(tile, [&](std::size_t first_pixel, std::size_t first_ray, std::size_t pixels) {
+    for (std::size_t i = 0; i < 3 * pixels; ++i) {
+      Real& color = wanted_.color[3 * first_pixel + i];
+      double& sum = sum_[3 * first_ray + i];
+      sum = sample == 0 ? static_cast<double>(color) : sum + static_cast<double>(color);
+      if (sample + 1 == samples_.size()) color = static_cast<Real>(sum / count);
     }
   });
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "octomarch/render/camera.hpp"
 #include "octomarch/render/illumination.hpp"
@@ -30,19 +31,26 @@ class TileRenderer {
   TileRenderer(const Picture& picture, const Planes<Real>& planes, const kernels::KernelTable<Real>& kernels,
                const TileGrid& grid);
 
+  /// Fills the planes of a tile. Colours of several samples take a pass for each, and the other planes one of their own
+  /// through the pixels' centres.
   void render(std::size_t tile, const bool& cancelled);
   const RenderStats& stats() const { return stats_; }
 
  private:
+  void pass(const kernels::TileView& tile, const PixelPoint& point, const Planes<Real>& planes, const bool& cancelled);
   void cast(const kernels::TileView& tile, const PixelPoint& point);
   void march(const bool& cancelled);
   void clear(const kernels::TileView& tile);
   void write_rays(const kernels::TileView& tile);
   void write_surfaces(const kernels::TileView& tile);
   void write_sky(const kernels::TileView& tile);
+  void add_sample(const kernels::TileView& tile, std::size_t sample);
+  bool needs_surface() const;
 
   const Picture& picture_;
-  const Planes<Real> planes_;
+  const Planes<Real> wanted_;
+  const std::vector<PixelPoint> samples_;
+  Planes<Real> planes_;  ///< of the current pass
   const kernels::KernelTable<Real>& kernels_;
   const TileGrid& grid_;
   const CameraFrame frame_;
@@ -53,6 +61,7 @@ class TileRenderer {
   Buffer<Real> registers_;
   std::optional<SurfacePass<Real>> surface_;
   std::optional<Illumination<Real>> illumination_;
+  Buffer<double> sum_;  ///< of the colours of a tile's samples so far, in double so that equal ones have their own mean
   RenderStats stats_;
 };
 
