@@ -54,6 +54,9 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("gallery_pictures.saved_picture",),
     "reset_modules": (),
+    "doc_module": ("octomarch",),
+    "reference_url": {"octomarch": None},
+    "backreferences_dir": "gallery/uses",
     "reset_argv": "gallery_pictures.output_argument",
     "run_stale_examples": True,  # a picture depends on octomarch too, not only on its script
     "abort_on_example_error": False,

@@ -1,8 +1,8 @@
 """Two directives for pages, so that code and picture never disagree.
 
 ``example`` runs a block of code and shows below it what it printed and the picture it ends with; ``cards`` shows a
-picture of each line's expression, side by side. `blocks.py` runs the code. Pictures are rendered at twice the size at
-which they are shown.
+picture of each line's expression, side by side. `blocks.py` runs the code. Large pictures are shown at half
+their size, which smooths their edges.
 """
 
 import contextlib
@@ -19,6 +19,8 @@ from sphinx.util.docutils import SphinxDirective
 
 import blocks
 import octomarch as om
+
+_HALVED_FROM = 400  # pixels of width: what is smaller is shown as large as it is
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
@@ -57,7 +59,8 @@ class Block(SphinxDirective):
         path = folder / f"{self.env.docname.replace('/', '-')}-{number}.png"
         path.write_bytes(image.to_png_bytes())
         uri = "/" + Path(os.path.relpath(path, self.env.srcdir)).as_posix()
-        return nodes.image(uri=uri, alt=alt, width=f"{image.size[0] // 2}px")
+        width = image.size[0]
+        return nodes.image(uri=uri, alt=alt, width=f"{width // 2 if width >= _HALVED_FROM else width}px")
 
 
 class Example(Block):
