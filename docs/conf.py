@@ -22,6 +22,7 @@ extensions = [
     "numpydoc",
     "myst_parser",
     "sphinx_gallery.gen_gallery",
+    "sphinx_codeautolink",
     "examples",
     "project_links",
     "reference_pages",
@@ -47,6 +48,11 @@ toc_object_entries_show_parents = "hide"
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
 
+# Blocks of a page go on where the last one ended.
+codeautolink_concat_default = True
+codeautolink_global_preface = "import numpy as np; import octomarch as om"
+codeautolink_autodoc_inject = False
+
 sphinx_gallery_conf = {
     "examples_dirs": "../examples/gallery",
     "gallery_dirs": "gallery",
@@ -54,9 +60,6 @@ sphinx_gallery_conf = {
     "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("gallery_pictures.saved_picture",),
     "reset_modules": (),
-    "doc_module": ("octomarch",),
-    "reference_url": {"octomarch": None},
-    "backreferences_dir": "gallery/uses",
     "reset_argv": "gallery_pictures.output_argument",
     "run_stale_examples": True,  # a picture depends on octomarch too, not only on its script
     "abort_on_example_error": False,
