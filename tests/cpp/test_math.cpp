@@ -122,7 +122,6 @@ TEST_CASE_TEMPLATE("exp2 beyond the numbers", Real, float, double) {
   CHECK(exp2_of(Real(-1e6)) == Real(0));
   CHECK(exp2_of(-kInfinity<Real>) == Real(0));
   CHECK(exp2_of(Real(1e6)) == kInfinity<Real>);
-  CHECK(exp2_of(Real(std::numeric_limits<Real>::max_exponent) - Real(0.75)) == kInfinity<Real>);
   CHECK(exp2_of(kInfinity<Real>) == kInfinity<Real>);
 }
 

@@ -2,10 +2,24 @@
 // formula (forward differentiation). The operators of ops/ are instantiated over Dual<lanes> to give normals.
 //
 // Where a function has no derivative, the result keeps the side that has one: abs takes +1 at 0, min and max take an
-// operand whole, sqrt takes 0 at 0. So no NaN arises, and a point exactly on a face still gets that face's normal.
+// operand whole, sqrt takes 0 at 0, and a quotient 0 where its divisor is. So no NaN arises, and a point exactly on a
+// face still gets that face's normal. ops/dual_math.hpp has the transcendental functions.
 #pragma once
 
+#include <limits>
+
 namespace octomarch {
+
+/// What stands for a slope that is infinite or NaN: 0.
+template <class T>
+T finite_or_zero(const T& slope) {
+  return select(abs(slope) <= T(std::numeric_limits<typename T::Real>::max()), slope, T(0));
+}
+
+template <class T>
+T inverse_or_zero(const T& a) {
+  return finite_or_zero(T(1) / a);
+}
 
 /// `T`: a lane type. `value` is what the plain evaluation over T gives, but for the sign of a zero.
 template <class T>
@@ -32,6 +46,24 @@ struct Dual {
   friend Dual operator-(const Dual& a, const T& c) { return {a.value - c, a.dx, a.dy, a.dz}; }
   friend Dual operator-(const T& c, const Dual& a) { return {c - a.value, -a.dx, -a.dy, -a.dz}; }
   friend Dual operator*(const Dual& a, const T& c) { return {a.value * c, a.dx * c, a.dy * c, a.dz * c}; }
+
+  // (a/b)′ = (a′ − (a/b)·b′)/b.
+  friend Dual operator/(const Dual& a, const Dual& b) {
+    const T inverse = inverse_or_zero(b.value);
+    const T quotient = a.value / b.value;
+    const T slope = finite_or_zero(quotient);
+    return {quotient, (a.dx - slope * b.dx) * inverse, (a.dy - slope * b.dy) * inverse,
+            (a.dz - slope * b.dz) * inverse};
+  }
+  friend Dual operator/(const Dual& a, const T& c) {
+    const T inverse = inverse_or_zero(c);
+    return {a.value / c, a.dx * inverse, a.dy * inverse, a.dz * inverse};
+  }
+  friend Dual operator/(const T& c, const Dual& b) {
+    const T quotient = c / b.value;
+    const T slope = finite_or_zero(-quotient * inverse_or_zero(b.value));
+    return {quotient, b.dx * slope, b.dy * slope, b.dz * slope};
+  }
 };
 
 template <class T>
@@ -96,6 +128,12 @@ Dual<T> smaller_of(const Dual<T>& a, const Dual<T>& b) {
 template <class T>
 Dual<T> larger_of(const Dual<T>& a, const Dual<T>& b) {
   return select((a.value > b.value) | only_first_has_slope(a, b), a, b);
+}
+
+/// Constant between its steps.
+template <class T>
+Dual<T> floor(const Dual<T>& a) {
+  return {floor(a.value), T(0), T(0), T(0)};
 }
 
 /// The part that comparisons look at.
