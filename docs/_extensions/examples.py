@@ -81,8 +81,7 @@ class Example(Block):
         if len(result.pictures) == 1:
             shown += self.image(result.pictures[0][1], self.options.get("alt", ""))
         elif result.pictures:
-            wide = any(picture.size[0] > 1.6 * picture.size[1] for _, picture in result.pictures)
-            grid = nodes.container(classes=["cards", "pairs"] if wide or len(result.pictures) in (2, 4) else ["cards"])
+            grid = grid_of([picture for _, picture in result.pictures])
             for caption, picture in result.pictures:
                 grid += card(self.image(picture, caption), nodes.paragraph("", caption, classes=["caption"]))
             shown += grid
@@ -102,16 +101,22 @@ class Cards(Block):
 
     def run(self) -> list[nodes.Node]:
         """Run all lines and return the grid."""
-        grid = nodes.container(classes=["cards"])
         look = self.arguments[0] if self.arguments else "portrait"
         with self.running() as where:
             found = list(blocks.cards("\n".join(self.content), self.names, look, *where))
+        grid = grid_of([each.image for each in found])
         for each in found:
             code = nodes.literal_block(each.code, each.code, language="python")
             text, _ = self.state.inline_text(each.caption, self.lineno)
             caption = nodes.paragraph("", "", *text, classes=["caption"])
             grid += card(self.image(each.image, each.code), code, caption)
         return [grid]
+
+
+def grid_of(images: list[om.Image]) -> nodes.container:
+    """Return an empty grid for cards with these pictures: in threes, or in pairs where they are wide, two or four."""
+    wide = any(image.size[0] > 1.6 * image.size[1] for image in images)
+    return nodes.container(classes=["cards", "pairs"] if wide or len(images) in (2, 4) else ["cards"])
 
 
 def card(*children: nodes.Node) -> nodes.container:

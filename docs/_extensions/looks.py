@@ -14,7 +14,7 @@ def portrait(shape: om.Shape) -> om.Image:
     floor = om.plane(point=(0, lo[1], 0) if np.isfinite(lo[1]) else (0, -1, 0))
     light = om.DirectionalLight(direction=(0.5, -1.1, -0.9), color=0.75)
     scene = om.Scene(shape.paint(CLAY) | floor.paint(PAPER), ambient=0.24, lights=[light])
-    return om.render(scene, size=(440, 330), shading=om.Shading(shadow_k=12))
+    return om.render(scene, size=(440, 330))
 
 
 def contours(shape: om.Shape, half: float = 2.0, spacing: float = 0.2) -> om.Image:
