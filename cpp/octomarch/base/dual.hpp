@@ -13,7 +13,8 @@ namespace octomarch {
 /// What stands for a slope that is infinite or NaN: 0.
 template <class T>
 T finite_or_zero(const T& slope) {
-  return select(abs(slope) <= T(std::numeric_limits<typename T::Real>::max()), slope, T(0));
+  constexpr auto kLargest = std::numeric_limits<typename T::Real>::max();
+  return select(abs(slope) <= T(kLargest), slope, T(0));
 }
 
 template <class T>
