@@ -22,7 +22,14 @@ ALL = tuple(PLANES)
 
 # Costs ---------------------------------------------------------------------------------------------------------------
 
-EXTRA = ("gradient_evaluations", "attribute_evaluations", "occlusion_evaluations", "shadow_rays", "shadow_evaluations")
+EXTRA = (
+    "gradient_evaluations",
+    "attribute_evaluations",
+    "surface_evaluations",
+    "occlusion_evaluations",
+    "shadow_rays",
+    "shadow_evaluations",
+)
 
 
 def costs(
@@ -54,7 +61,7 @@ def test_normals_cost_gradients_and_ids_attributes(isa: str):
 def test_colours_cost_what_the_scene_asks_for(isa: str):
     plain, painted = BALL | FLOOR, BALL.paint(RED) | FLOOR.paint(BLUE)
     assert costs(plain, "color", isa) == {"gradient_evaluations": 1}
-    assert costs(painted, "color", isa) == {"gradient_evaluations": 1, "attribute_evaluations": 1}
+    assert costs(painted, "color", isa) == {"gradient_evaluations": 1, "surface_evaluations": 1}
     assert costs(plain, "color", isa, ambient=0.1, occlusion=0) == {"gradient_evaluations": 1}
     occluded = costs(plain, "color", isa, ambient=0.1, occlusion=4)
     assert occluded == {"gradient_evaluations": 1, "occlusion_evaluations": 4}

@@ -11,26 +11,72 @@ Shapes are built by functions and operators, compiled to a flat program and marc
 from octomarch import reference
 from octomarch._core import SceneError
 from octomarch.camera import Camera, OrthographicCamera, PanoramicCamera
+from octomarch.expressions import Expression, coordinates, normals
 from octomarch.exr import read_exr, write_exr
+from octomarch.fields import field, solid
+from octomarch.flat import circle, ellipse, polygon, rectangle, regular_polygon, segment, star
+from octomarch.functions import (
+    absolute,
+    acos,
+    asin,
+    atan,
+    atan2,
+    ceil,
+    clamp,
+    cos,
+    dot,
+    equal,
+    exp,
+    floor,
+    fract,
+    fractal_noise,
+    length,
+    log,
+    maximum,
+    minimum,
+    mix,
+    mod,
+    noise,
+    power,
+    sign,
+    sin,
+    smoothstep,
+    sqrt,
+    tan,
+    where,
+)
 from octomarch.image import Image
 from octomarch.lights import DirectionalLight, PointLight, Sky
 from octomarch.machine import build_info, isas
 from octomarch.march import March, Status
 from octomarch.materials import Material
-from octomarch.operators import difference, intersection, union
-from octomarch.primitives import box, capsule, cylinder, plane, sphere, torus
+from octomarch.operators import difference, intersection, metaballs, union
+from octomarch.primitives import box, capsule, cylinder, plane, rounded_box, sphere, torus
 from octomarch.program import Program, compile
 from octomarch.queries import Hits
 from octomarch.render import render
 from octomarch.scene import Scene
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
+from octomarch.solids import (
+    capped_cone,
+    cone,
+    ellipsoid,
+    hexagonal_prism,
+    link,
+    octahedron,
+    pyramid,
+    triangular_prism,
+)
+from octomarch.surfaces import diamond, gyroid, schwarz_p
+from octomarch.textures import Texture, checker, image_texture, noise_texture, stripes
 
 __version__ = build_info()["version"]
 
 __all__ = [
     "Camera",
     "DirectionalLight",
+    "Expression",
     "Hits",
     "Image",
     "March",
@@ -45,21 +91,78 @@ __all__ = [
     "Shape",
     "Sky",
     "Status",
+    "Texture",
     "__version__",
+    "absolute",
+    "acos",
+    "asin",
+    "atan",
+    "atan2",
     "box",
     "build_info",
+    "capped_cone",
     "capsule",
+    "ceil",
+    "checker",
+    "circle",
+    "clamp",
     "compile",
+    "cone",
+    "coordinates",
+    "cos",
     "cylinder",
+    "diamond",
     "difference",
+    "dot",
+    "ellipse",
+    "ellipsoid",
+    "equal",
+    "exp",
+    "field",
+    "floor",
+    "fract",
+    "fractal_noise",
+    "gyroid",
+    "hexagonal_prism",
+    "image_texture",
     "intersection",
     "isas",
+    "length",
+    "link",
+    "log",
+    "maximum",
+    "metaballs",
+    "minimum",
+    "mix",
+    "mod",
+    "noise",
+    "noise_texture",
+    "normals",
+    "octahedron",
     "plane",
+    "polygon",
+    "power",
+    "pyramid",
     "read_exr",
+    "rectangle",
     "reference",
+    "regular_polygon",
     "render",
+    "rounded_box",
+    "schwarz_p",
+    "segment",
+    "sign",
+    "sin",
+    "smoothstep",
+    "solid",
     "sphere",
+    "sqrt",
+    "star",
+    "stripes",
+    "tan",
     "torus",
+    "triangular_prism",
     "union",
+    "where",
     "write_exr",
 ]

@@ -14,10 +14,12 @@ from typing import Any, Literal, TypeAlias, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+Vec2: TypeAlias = tuple[float, float]
 Vec3: TypeAlias = tuple[float, float, float]
 VectorLike: TypeAlias = Sequence[float] | NDArray[Any]
 ColorLike: TypeAlias = float | VectorLike
-AxisLike: TypeAlias = Literal["x", "y", "z"] | VectorLike
+AxisLetter: TypeAlias = Literal["x", "y", "z"]
+AxisLike: TypeAlias = AxisLetter | VectorLike
 Precision: TypeAlias = Literal["float32", "float64"]
 Name = TypeVar("Name", bound=str)
 
@@ -120,6 +122,17 @@ def point(name: str, value: object) -> Vec3:
     return result
 
 
+def pair(name: str, value: object) -> Vec2:
+    """Return two finite numbers."""
+    items = sequence(name, value, "two numbers")
+    if len(items) != 2:
+        raise ValueError(f"{name} must be two numbers, got {shown(value)}")
+    x, y = (number(f"{name}[{i}]", item) for i, item in enumerate(items))
+    if not (math.isfinite(x) and math.isfinite(y)):
+        raise ValueError(f"{name} must be finite, got {shown(value)}")
+    return x, y
+
+
 def direction(name: str, value: object) -> Vec3:
     """Return three finite numbers that are not all zero, scaled to unit length."""
     x, y, z = point(name, value)
@@ -138,6 +151,20 @@ def axis(name: str, value: object) -> Vec3:
             raise ValueError(f"{name} must be 'x', 'y', 'z' or three numbers, got {shown(value)}")
         return _AXES[value]
     return vector(name, value)
+
+
+def axis_numbers(name: str, value: object) -> list[int]:
+    """Return 0, 1 and 2 for "x", "y" and "z", or for several in one word, each once."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be letters of 'xyz', got {shown(value)}")
+    if not value or len(set(value)) < len(value) or set(value) - set(_AXES):
+        raise ValueError(f"{name} must be letters of 'xyz', each once, got {shown(value)}")
+    return ["xyz".index(letter) for letter in value]
+
+
+def axis_number(name: str, value: object) -> int:
+    """Return 0, 1 or 2 for "x", "y" or "z"."""
+    return "xyz".index(choice(name, value, ("x", "y", "z")))
 
 
 def color(name: str, value: object) -> Vec3:

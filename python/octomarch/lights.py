@@ -8,6 +8,8 @@ from typing import TypeAlias
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import ColorLike, Vec3, VectorLike
+from octomarch.expressions import coordinates
+from octomarch.functions import dot, maximum
 
 
 @dataclass(frozen=True, init=False)
@@ -41,7 +43,9 @@ class DirectionalLight:
         check.set_fields(self, direction=check.vector("direction", direction), color=check.color("color", color))
 
     def _native(self) -> _core.Light:
-        return _core.Light("directional", check.direction("direction", self.direction), self.color, 0)
+        return _core.Light(
+            "directional", check.direction("direction", self.direction), self.color, 0, (0.0, -1.0, 0.0), 1.0, 0.0
+        )
 
 
 @dataclass(frozen=True, init=False)
@@ -82,7 +86,7 @@ class PointLight:
         )
 
     def _native(self) -> _core.Light:
-        return _core.Light("point", self.position, self.color, self.decay)
+        return _core.Light("point", self.position, self.color, self.decay, (0.0, -1.0, 0.0), 1.0, 0.0)
 
 
 Light: TypeAlias = DirectionalLight | PointLight
@@ -135,4 +139,7 @@ class Sky:
         )
 
     def _native(self) -> _core.Sky:
-        return _core.Sky(check.direction("axis", self.axis), self.toward, self.away, self.base)
+        along = dot(coordinates(), check.direction("axis", self.axis))
+        ahead, behind = maximum(along, 0.0), maximum(-along, 0.0)
+        channels = zip(self.toward, self.away, self.base, strict=True)
+        return _core.Sky([(ahead * a + behind * b + c)._node for a, b, c in channels])

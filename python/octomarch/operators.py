@@ -1,10 +1,11 @@
-"""The n-ary operators: union, intersection and difference of any number of shapes, hard or blended.
+"""The n-ary operators: union, intersection and difference of any number of shapes, hard or blended, and metaballs.
 
 They stand beside the operators ``|``, ``&`` and ``-`` of `shapes.Shape` and make the same nodes.
 """
 
 from __future__ import annotations
 
+from octomarch import _validate as check
 from octomarch.shapes import Shape, combine
 
 
@@ -77,3 +78,43 @@ def difference(*shapes: Shape, smooth: float = 0.0) -> Shape:
     True
     """
     return combine("difference", shapes, smooth)
+
+
+def metaballs(*shapes: Shape, k: float) -> Shape:
+    """Return all that lies in any of the shapes, drawn together where they are near.
+
+    The field is ``-k log(exp(-a/k) + exp(-b/k) + ...)``, computed without overflow as ``m - k log1p(exp(-|a - b|/k))``
+    with m = min(a, b), one operand after the other [1]_. Unlike `union` with ``smooth``, whose blend ends where fields
+    differ by k, each shape is felt everywhere, and their order does not matter but for rounding.
+
+    Parameters
+    ----------
+    *shapes : Shape
+        At least one.
+    k : float
+        Width of the blend ≥ 0 in scene units; n shapes grow by up to ``k log(n)``. 0 is the union.
+
+    Returns
+    -------
+    Shape
+        A field that never exceeds the true distance.
+
+    Raises
+    ------
+    TypeError
+        If an operand is no shape, or `k` no number.
+    ValueError
+        If there is no operand, or `k` is negative or not finite.
+
+    References
+    ----------
+    .. [1] I. Quilez, "Smooth minimum", 2013. https://iquilezles.org/articles/smin/
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> drops = om.metaballs(om.sphere(0.5), om.sphere(0.5, center=(1.1, 0, 0)), k=0.1)
+    >>> bool(drops.distance([0.55, 0, 0]) < 0)
+    True
+    """
+    return combine("metaballs", shapes, check.number("k", k))

@@ -1,15 +1,20 @@
 """The primitives: the first shapes, from which `operators` and the methods of `shapes.Shape` build the others.
 
-Lengths are in scene units. Numbers are checked at once: a wrong type is a `TypeError`, a value outside its domain a
-`ValueError`, both naming the argument.
+Balls, boxes and what is round about an axis; `solids` has the other bodies, `flat` shapes in the plane, `surfaces`
+walls that fill space. Lengths are in scene units. Numbers are checked at once: a wrong type is a `TypeError`, a value
+outside its domain a `ValueError`, both naming the argument.
 """
 
 from __future__ import annotations
 
+from typing import Literal, TypeAlias
+
 from octomarch import _core
 from octomarch import _validate as check
-from octomarch._validate import AxisLike, VectorLike
-from octomarch.shapes import Shape
+from octomarch._validate import AxisLike, Vec3, VectorLike
+from octomarch.shapes import Shape, placed
+
+BoxForm: TypeAlias = Literal["exact", "exterior", "maximum"]
 
 
 def sphere(radius: float, center: VectorLike = (0.0, 0.0, 0.0)) -> Shape:
@@ -37,11 +42,21 @@ def sphere(radius: float, center: VectorLike = (0.0, 0.0, 0.0)) -> Shape:
     >>> float(om.sphere(1.0, center=(0, 2, 0)).distance([0, 0, 0]))
     1.0
     """
-    return _placed(_core.sphere(check.number("radius", radius)), center)
+    return placed(_core.sphere(check.number("radius", radius)), center)
 
 
-def box(size: float | VectorLike, center: VectorLike = (0.0, 0.0, 0.0)) -> Shape:
-    """Return a box with edges along the axes, exact inside and outside.
+def box(size: float | VectorLike, center: VectorLike = (0.0, 0.0, 0.0), form: BoxForm = "exact") -> Shape:
+    """Return a box with edges along the axes.
+
+    With q = ``|p - center| - size / 2`` there are three forms of its field [1]_. The others are as users may know them
+    from elsewhere; neither is cheaper here by more than an operation or two.
+
+    ==============  =================================  ======================================================
+    ``"exact"``     ``|max(q, 0)| + min(max(q), 0)``   the distance, outside and inside
+    ``"exterior"``  ``|max(q, 0)|``                    the distance outside, 0 within: no interior to march in
+    ``"maximum"``   ``max(q)``                         inside the distance; outside a lower bound, down to 1/√3
+                                                       of it off the corners
+    ==============  =================================  ======================================================
 
     Parameters
     ----------
@@ -49,6 +64,8 @@ def box(size: float | VectorLike, center: VectorLike = (0.0, 0.0, 0.0)) -> Shape
         Full edge lengths, each at least 0; a number means a cube.
     center : sequence of three floats
         World frame.
+    form : {"exact", "exterior", "maximum"}
+        See above.
 
     Returns
     -------
@@ -57,16 +74,58 @@ def box(size: float | VectorLike, center: VectorLike = (0.0, 0.0, 0.0)) -> Shape
     Raises
     ------
     TypeError, ValueError
-        If an argument is no number, negative or not finite.
+        If a number is none, negative or not finite, or `form` is another.
+
+    References
+    ----------
+    .. [1] I. Quilez, "Distance functions". https://iquilezles.org/articles/distfunctions/
 
     Examples
     --------
     >>> import octomarch as om
     >>> om.box((2, 4, 6)).distance([[0, 0, 0], [4, 0, 0]]).tolist()
     [-1.0, 3.0]
+    >>> [float(om.box(2.0, form=form).distance([4, 5, 1])) for form in ("exact", "maximum")]
+    [5.0, 4.0]
     """
-    edges = (check.number("size", size),) * 3 if check.is_number(size) else check.vector("size", size)
-    return _placed(_core.box(edges), center)
+    name: str = check.choice("form", form, ("exact", "exterior", "maximum"))
+    return placed(_core.box(_edges(size), name), center)
+
+
+def rounded_box(size: float | VectorLike, radius: float, center: VectorLike = (0.0, 0.0, 0.0)) -> Shape:
+    """Return a box with round edges, exact inside and outside.
+
+    Parameters
+    ----------
+    size : float or sequence of three floats
+        Full edge lengths, rounding included; a number means a cube.
+    radius : float
+        Of the edges, from 0 to half the shortest edge length.
+    center : sequence of three floats
+        World frame.
+
+    Returns
+    -------
+    Shape
+        A smaller box, grown by `Shape.round`.
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is no number, negative or not finite, or the radius too large.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> om.rounded_box((2, 4, 6), 0.5).distance([[2, 0, 0], [0, 0, 0]]).tolist()
+    [1.0, -1.0]
+    """
+    edges, rounding = _edges(size), check.non_negative("radius", radius)
+    if not 2 * rounding <= min(edges):
+        raise ValueError(f"radius must be at most half of the shortest edge, {min(edges) / 2}, got {radius!r}")
+    x, y, z = edges
+    inner = _core.box((x - 2 * rounding, y - 2 * rounding, z - 2 * rounding), "exact")
+    return placed(_core.round(inner, rounding), center)
 
 
 def plane(normal: VectorLike = (0.0, 1.0, 0.0), point: VectorLike = (0.0, 0.0, 0.0)) -> Shape:
@@ -136,7 +195,7 @@ def cylinder(
     2.0
     """
     length = None if height is None else check.number("height", height)
-    return _placed(_core.cylinder(check.number("radius", radius), length, check.axis("axis", axis)), center)
+    return placed(_core.cylinder(check.number("radius", radius), length, check.axis("axis", axis)), center)
 
 
 def torus(radius: float, tube_radius: float, axis: AxisLike = "y", center: VectorLike = (0.0, 0.0, 0.0)) -> Shape:
@@ -169,7 +228,7 @@ def torus(radius: float, tube_radius: float, axis: AxisLike = "y", center: Vecto
     [1.5, 1.5]
     """
     radii = check.number("radius", radius), check.number("tube_radius", tube_radius)
-    return _placed(_core.torus(*radii, check.axis("axis", axis)), center)
+    return placed(_core.torus(*radii, check.axis("axis", axis)), center)
 
 
 def capsule(a: VectorLike, b: VectorLike, radius: float) -> Shape:
@@ -200,6 +259,9 @@ def capsule(a: VectorLike, b: VectorLike, radius: float) -> Shape:
     return Shape(_core.capsule(check.vector("a", a), check.vector("b", b), check.number("radius", radius)))
 
 
-def _placed(node: _core.Node, center: VectorLike) -> Shape:
-    where = check.point("center", center)
-    return Shape(_core.translate(node, where) if any(where) else node)
+def _edges(size: float | VectorLike) -> Vec3:
+    """Return three edge lengths, which native builders check, of one number or three."""
+    if check.is_number(size):
+        edge = check.number("size", size)
+        return edge, edge, edge
+    return check.vector("size", size)

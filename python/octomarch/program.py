@@ -85,7 +85,7 @@ class Program:
     @property
     def materials(self) -> list[Material]:
         """Distinct materials; the planes ``material_id`` count in this list."""
-        return [Material(m.color, m.roughness, m.specular, m.metallic) for m in self._native.materials]
+        return [Material._from_native(material) for material in self._native.materials]
 
     @property
     def objects(self) -> list[tuple[str, int]]:

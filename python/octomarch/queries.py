@@ -9,7 +9,7 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, Self, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -78,6 +78,13 @@ class Field:
 
     _node: _core.Node
     _program: Program | None
+
+    def __init__(self, node: _core.Node) -> None:
+        check.set_fields(self, _node=node, _program=None)
+
+    def _made(self, node: _core.Node) -> Self:
+        """Return another of the same kind."""
+        return type(self)(node)
 
     def _compiled(self) -> Program:
         if self._program is None:

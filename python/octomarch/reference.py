@@ -157,7 +157,8 @@ def raycast(
     precision = _dtype(dtype)
     program = compile(shape)
     native = _or_default(March, "march", march).resolve(program, origins, pixels=False)._native()
-    found = _core.reference_raycast(node, starts, aims, native, limit, program.lipschitz, precision)
+    normals = Shading().resolve(program)._native()
+    found = _core.reference_raycast(node, starts, aims, native, normals, limit, program.lipschitz, precision)
     return Hits({name: values.reshape(leading + values.shape[1:]) for name, values in found.items()})
 
 

@@ -101,5 +101,13 @@ class Shading:
         if self.normal_step is None or self.occlusion_distance is None:
             raise ValueError("shading must be resolved first: see Shading.resolve")
         return _core.Shading(
-            self.normals, self.normal_step, self.shadows, self.shadow_k, self.occlusion, self.occlusion_distance
+            self.normals,
+            self.normal_step,
+            self.shadows,
+            self.shadow_k,
+            self.occlusion,
+            self.occlusion_distance,
+            0,
+            1e-3,
+            1e-3,
         )

@@ -67,6 +67,17 @@ struct Dual {
   }
 };
 
+/// A constant as the number type T.
+template <class T>
+struct Lift {
+  static T from(const T& c) { return c; }
+};
+
+template <class T>
+struct Lift<Dual<T>> {
+  static Dual<T> from(const T& c) { return {c, T(0), T(0), T(0)}; }
+};
+
 template <class T>
 Dual<T> square(const Dual<T>& a) {
   const T twice = a.value + a.value;

@@ -11,6 +11,7 @@
 #include "octomarch/base/build_info.hpp"
 #include "octomarch/bindings/arrays.hpp"
 #include "octomarch/bindings/register.hpp"
+#include "octomarch/graph/schema.hpp"
 #include "octomarch/kernels/dispatch.hpp"
 #include "octomarch/program/program.hpp"
 #include "octomarch/render/query.hpp"

@@ -50,8 +50,8 @@ py::array gradient(const NodePtr& node, const Rows& points, const std::string& d
   });
 }
 
-py::dict raycast(const NodePtr& node, const Rows& origins, const Rows& directions, const March& march, double t_max,
-                 double lipschitz, const std::string& dtype) {
+py::dict raycast(const NodePtr& node, const Rows& origins, const Rows& directions, const March& march,
+                 const Shading& shading, double t_max, double lipschitz, const std::string& dtype) {
   const std::span<const double> from = triples(origins, "origins");
   const std::span<const double> along = triples(directions, "directions");
   require(from.size() == along.size(), "directions", "as many as origins", directions.shape(0));
@@ -66,7 +66,7 @@ py::dict raycast(const NodePtr& node, const Rows& origins, const Rows& direction
                                   .status = results.scalars<std::uint8_t>("status")};
     {
       const py::gil_scoped_release release;
-      reference::raycast(node, from, along, march, t_max, lipschitz, hits, check_signals);
+      reference::raycast(node, from, along, march, shading, t_max, lipschitz, hits, check_signals);
     }
     return results.take();
   });
@@ -115,7 +115,7 @@ void register_reference(py::module_& module) {
   module.def("reference_distance", &distance, py::arg("node").none(false), py::arg("points"), py::arg("dtype"));
   module.def("reference_gradient", &gradient, py::arg("node").none(false), py::arg("points"), py::arg("dtype"));
   module.def("reference_raycast", &raycast, py::arg("node").none(false), py::arg("origins"), py::arg("directions"),
-             py::arg("march"), py::arg("t_max"), py::arg("lipschitz"), py::arg("dtype"));
+             py::arg("march"), py::arg("shading"), py::arg("t_max"), py::arg("lipschitz"), py::arg("dtype"));
   module.def("reference_render", &render, py::arg("node").none(false), py::arg("scene"), py::arg("camera"),
              py::arg("march"), py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"),
              py::arg("samples"), py::arg("planes"), py::arg("lipschitz"), py::arg("dtype"));

@@ -37,8 +37,8 @@ Planes<Real> planes_named(const std::vector<std::string>& names, Results& result
 py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned threads, const std::string& precision,
                     double seconds) {
   const kernels::Counters& primary = stats.primary;
-  const std::uint64_t slots = primary.lane_slots + stats.shadow.lane_slots;
-  const std::uint64_t used = primary.evaluations + stats.shadow.evaluations;
+  kernels::Counters marches;
+  for (const kernels::Counters* part : {&primary, &stats.shadow, &stats.reflection}) add(marches, *part);
   py::dict dict;
   dict["isa"] = isa.name;
   dict["precision"] = precision;
@@ -47,13 +47,19 @@ py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned 
   dict["primary_evaluations"] = primary.evaluations;
   dict["gradient_evaluations"] = stats.gradient_evaluations;
   dict["attribute_evaluations"] = stats.attribute_evaluations;
+  dict["surface_evaluations"] = stats.surface_evaluations;
+  dict["sky_evaluations"] = stats.sky_evaluations;
   dict["occlusion_evaluations"] = stats.occlusion_evaluations;
   dict["shadow_rays"] = stats.shadow_rays;
   dict["shadow_evaluations"] = stats.shadow.evaluations;
-  dict["packets"] = primary.packets + stats.shadow.packets;
-  dict["occupancy"] = slots == 0 ? 1.0 : static_cast<double>(used) / static_cast<double>(slots);
+  dict["reflection_rays"] = stats.reflection_rays;
+  dict["reflection_evaluations"] = stats.reflection.evaluations;
+  dict["packets"] = marches.packets;
+  const auto used = static_cast<double>(marches.evaluations);
+  dict["occupancy"] = marches.lane_slots == 0 ? 1.0 : used / static_cast<double>(marches.lane_slots);
   dict["seconds_march"] = stats.seconds_march;
   dict["seconds_shade"] = stats.seconds_shade;
+  dict["seconds_reflect"] = stats.seconds_reflect;
   dict["seconds"] = seconds;
   return dict;
 }

@@ -20,14 +20,17 @@ std::uint64_t mix(std::uint64_t seed, std::uint64_t word) {
   return h ^ (h >> 33U);
 }
 
-std::uint64_t hash(NodeKind kind, std::span<const double> parameters, std::span<const NodePtr> children) {
+std::uint64_t hash(NodeKind kind, std::span<const double> parameters, std::span<const NodePtr> children,
+                   std::span<const float> texels) {
   std::uint64_t h = mix(0, static_cast<std::uint64_t>(kind));
   for (const double parameter : parameters) h = mix(h, std::bit_cast<std::uint64_t>(parameter));
   for (const NodePtr& child : children) h = mix(h, reinterpret_cast<std::uintptr_t>(child.get()));
+  for (const float texel : texels) h = mix(h, std::bit_cast<std::uint32_t>(texel));
   return h;
 }
 
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
 
 }  // namespace
 
@@ -40,16 +43,19 @@ class Interner {
     return interner;
   }
 
-  NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children) {
-    const std::uint64_t key = hash(kind, parameters, children);
+  NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children,
+                 std::vector<float> texels) {
+    const std::uint64_t key = hash(kind, parameters, children, texels);
     {
       const std::lock_guard lock(mutex_);
-      if (NodePtr existing = find(key, kind, parameters, children)) return existing;
+      if (NodePtr existing = find(key, kind, parameters, children, texels)) return existing;
     }
     // Made outside the lock: should anything here throw, the deleter runs, and it takes the lock.
-    NodePtr fresh(new Node(kind, std::move(parameters), std::move(children)), release);
+    NodePtr fresh(new Node(kind, std::move(parameters), std::move(children), std::move(texels)), release);
     const std::lock_guard lock(mutex_);
-    if (NodePtr existing = find(key, kind, fresh->parameters(), fresh->children())) return existing;
+    if (NodePtr existing = find(key, kind, fresh->parameters(), fresh->children(), fresh->texels())) {
+      return existing;
+    }
     table_.emplace(key, Entry{fresh.get(), fresh});
     return fresh;
   }
@@ -62,13 +68,15 @@ class Interner {
 
   /// Contract: the lock is held. A node stays readable while it is in the table, even when its last owner is gone and
   /// its deleter waits for the lock; then it cannot be revived and a new node takes its place beside it.
-  NodePtr find(std::uint64_t key, NodeKind kind, std::span<const double> parameters,
-               std::span<const NodePtr> children) const {
+  NodePtr find(std::uint64_t key, NodeKind kind, std::span<const double> parameters, std::span<const NodePtr> children,
+               std::span<const float> texels) const {
     const auto [first, last] = table_.equal_range(key);
     for (auto entry = first; entry != last; ++entry) {
       const Node& node = *entry->second.node;
-      if (node.kind() != kind || !std::ranges::equal(node.parameters(), parameters, same_bits) ||
-          !std::ranges::equal(node.children(), children)) {
+      if (node.kind() != kind ||
+          !std::ranges::equal(node.parameters(), parameters, [](double a, double b) { return same_bits(a, b); }) ||
+          !std::ranges::equal(node.children(), children) ||
+          !std::ranges::equal(node.texels(), texels, [](float a, float b) { return same_bits(a, b); })) {
         continue;
       }
       if (NodePtr alive = entry->second.owner.lock()) return alive;
@@ -77,7 +85,7 @@ class Interner {
   }
 
   void forget(const Node* node) {
-    const std::uint64_t key = hash(node->kind(), node->parameters(), node->children());
+    const std::uint64_t key = hash(node->kind(), node->parameters(), node->children(), node->texels());
     const std::lock_guard lock(mutex_);
     const auto [first, last] = table_.equal_range(key);
     const auto entry = std::find_if(first, last, [node](const auto& item) { return item.second.node == node; });
@@ -108,48 +116,65 @@ class Interner {
   std::unordered_multimap<std::uint64_t, Entry> table_;
 };
 
-Node::Node(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children)
-    : kind_(kind), parameters_(std::move(parameters)), children_(std::move(children)) {}
+Node::Node(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children, std::vector<float> texels)
+    : kind_(kind), parameters_(std::move(parameters)), children_(std::move(children)), texels_(std::move(texels)) {}
 
-NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children) {
+NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children,
+               std::vector<float> texels) {
   for (double& parameter : parameters) parameter += 0.0;  // −0 becomes +0
-  return Interner::instance().intern(kind, std::move(parameters), std::move(children));
+  return Interner::instance().intern(kind, std::move(parameters), std::move(children), std::move(texels));
 }
 
-std::string_view name(NodeKind kind) {
-  switch (kind) {
-    case NodeKind::kSphere: return "sphere";
-    case NodeKind::kBox: return "box";
-    case NodeKind::kPlane: return "plane";
-    case NodeKind::kCylinder: return "cylinder";
-    case NodeKind::kCappedCylinder: return "capped_cylinder";
-    case NodeKind::kTorus: return "torus";
-    case NodeKind::kCapsule: return "capsule";
-    case NodeKind::kUnion: return "union";
-    case NodeKind::kIntersection: return "intersection";
-    case NodeKind::kDifference: return "difference";
-    case NodeKind::kComplement: return "complement";
-    case NodeKind::kTranslate: return "translate";
-    case NodeKind::kRotate: return "rotate";
-    case NodeKind::kScale: return "scale";
-    case NodeKind::kRepeat: return "repeat";
-    case NodeKind::kPaint: return "paint";
-  }
-  return "unknown";
-}
-
-std::size_t count_nodes(const NodePtr& root) {
-  if (!root) return 0;
-  std::unordered_set<const Node*> seen{root.get()};
-  std::vector<const Node*> work{root.get()};
+bool any_node(const Node& root, const std::function<bool(const Node&)>& visit) {
+  std::unordered_set<const Node*> seen{&root};
+  std::vector<const Node*> work{&root};
   while (!work.empty()) {
     const Node* const node = work.back();
     work.pop_back();
+    if (visit(*node)) return true;
     for (const NodePtr& child : node->children()) {
       if (seen.insert(child.get()).second) work.push_back(child.get());
     }
   }
-  return seen.size();
+  return false;
+}
+
+std::size_t count_nodes(const NodePtr& root) {
+  std::size_t count = 0;
+  if (root) any_node(*root, [&](const Node&) { return ++count, false; });
+  return count;
+}
+
+bool is_flat(const Node& shape) {
+  const auto is_z = [](const Node& node) { return node.kind() == NodeKind::kCoordinate && node.parameter(0) == 2.0; };
+  return !any_node(shape, [&is_z](const Node& node) {
+    const auto p = node.parameters();
+    switch (node.kind()) {
+      case NodeKind::kRectangle:
+      case NodeKind::kPolygon:
+      case NodeKind::kUnion:
+      case NodeKind::kIntersection:
+      case NodeKind::kDifference:
+      case NodeKind::kMetaballs:
+      case NodeKind::kComplement:
+      case NodeKind::kRound:
+      case NodeKind::kShell:
+      case NodeKind::kScale:
+      case NodeKind::kPaint:
+      case NodeKind::kTranslate:
+      case NodeKind::kStretch:
+      case NodeKind::kMirror: return false;
+      case NodeKind::kCylinder: return p[1] != 2.0;
+      case NodeKind::kPlane: return p[2] != 0.0;
+      case NodeKind::kRotate: return p[8] != 1.0;
+      case NodeKind::kRepeat: return p[2] != 0.0;
+      case NodeKind::kElongate: return p[2] != 0.0;
+      case NodeKind::kField:
+      case NodeKind::kSolid:
+      case NodeKind::kDisplace: return any_node(*node.children().back(), is_z);
+      default: return is_shape(node.kind());
+    }
+  });
 }
 
 RepeatAxis repeat_axis(const Node& repeat, std::size_t axis) {

@@ -3,43 +3,34 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "octomarch/base/types.hpp"
 
 namespace octomarch {
 
-/// What a node is. Parameters are doubles in the order given here; children as listed.
+/// What a node is: see nodes.def for each kind's parameters and children.
 enum class NodeKind : std::uint8_t {
-  kSphere,          ///< radius ≥ 0. Centre at the origin.
-  kBox,             ///< half_x half_y half_z ≥ 0. Exact box about the origin.
-  kPlane,           ///< n_x n_y n_z (unit) h: value n·p + h.
-  kCylinder,        ///< radius ≥ 0, axis (0, 1, 2). Infinite.
-  kCappedCylinder,  ///< radius ≥ 0, half_height ≥ 0, axis.
-  kTorus,           ///< radius ≥ 0 (centre line), tube_radius ≥ 0, axis.
-  kCapsule,         ///< a (3), b (3), radius ≥ 0.
-  kUnion,           ///< k ≥ 0 (blend distance); children, at least one. Folded from the left: ((c0, c1), c2), …
-  kIntersection,    ///< k ≥ 0; children, at least one; folded from the left.
-  kDifference,      ///< k ≥ 0; children[0] minus each of the others in turn.
-  kComplement,      ///< one child: −value.
-  kTranslate,       ///< offset (3); one child: value at p − offset.
-  kRotate,          ///< parent_from_child rotation, row-major (9); one child: value at Rᵀp.
-  kScale,           ///< factor > 0; one child: factor · value at p / factor.
-  kRepeat,  ///< period (3; 0 = not repeated on that axis), count (3; 0 = endless); one child. See repeat_cell().
-  kPaint,   ///< colour (3), roughness, specular, metallic; one child. The innermost paint wins.
+#define OCTOMARCH_NODE(kind, name, parameters, children) k##kind,
+#include "octomarch/graph/nodes.def"
+#undef OCTOMARCH_NODE
 };
+
+/// Is a node of this kind a number at a point, and no shape or image?
+constexpr bool is_expression(NodeKind kind) { return kind >= NodeKind::kCoordinate && kind < NodeKind::kImage; }
+constexpr bool is_shape(NodeKind kind) { return kind < NodeKind::kCoordinate; }
 
 class Node;
 using NodePtr = std::shared_ptr<const Node>;
 
-/// One immutable node. Two nodes with equal kind, parameters and children are the same object (see intern()), so
+/// One immutable node. Two nodes with equal kind, parameters, children and texels are the same object (see intern()), so
 /// pointer equality is structural equality. Destruction of a graph of any depth uses constant stack.
 class Node {
  public:
-  Node(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children);
+  Node(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children, std::vector<float> texels);
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
@@ -48,23 +39,30 @@ class Node {
   double parameter(std::size_t i) const { return parameters_[i]; }
   std::span<const NodePtr> children() const { return children_; }
   const Node& child(std::size_t i) const { return *children_[i]; }
+  /// RGB after RGB, row after row from the top; images only.
+  std::span<const float> texels() const { return texels_; }
 
  private:
   friend class Interner;
   NodeKind kind_;
   std::vector<double> parameters_;
   std::vector<NodePtr> children_;
+  std::vector<float> texels_;
 };
 
 /// The one node with this content: an existing equal node, or a new one. Parameters are compared bit by bit after −0
-/// becomes +0. Thread-safe; O(parameters + children) expected.
-NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children);
-
-/// Lower-case name of a kind ("sphere", "smooth union" is "union" with k > 0).
-std::string_view name(NodeKind kind);
+/// becomes +0. Thread-safe; O(parameters + children + texels) expected.
+NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children,
+               std::vector<float> texels = {});
 
 /// Distinct nodes reachable from `root`. O(nodes), constant stack.
 std::size_t count_nodes(const NodePtr& root);
+
+/// Calls `visit` once for each distinct node reachable from `root` until it returns true; did it? Constant stack.
+bool any_node(const Node& root, const std::function<bool(const Node&)>& visit);
+
+/// Is the shape the same at every z? Such are the flat primitives, and what is made of them without leaving the plane.
+bool is_flat(const Node& shape);
 
 /// Repetition along one axis: the cell of coordinate p is the copy whose centre is nearest, copies standing at
 /// (i − (count−1)/2)·period for i in [0, count), or at all whole multiples when count = 0. Three constants describe it:

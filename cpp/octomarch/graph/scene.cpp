@@ -6,7 +6,15 @@
 #include <cmath>
 #include <numbers>
 
+#include "octomarch/graph/builder.hpp"
+
 namespace octomarch {
+
+const Material& default_material() {
+  static const Material material{
+      {constant(0.8), constant(0.8), constant(0.8), constant(0.5), constant(0.3), constant(0.0), constant(0.0)}};
+  return material;
+}
 
 double phong_exponent(double roughness) {
   const double alpha = roughness * roughness;

@@ -2,43 +2,51 @@
 // precision. Python validates and fills these; render/ and reference/ read them. Colours are linear RGB.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "octomarch/base/types.hpp"
+#include "octomarch/graph/node.hpp"
 
 namespace octomarch {
 
-/// Surface under Lambert and Phong. diffuse = (1 − metallic)·color·(n·l); highlight colour =
-/// mix(specular·white, color, metallic); Phong exponent from roughness: see phong_exponent().
+/// Surface under Lambert and Phong: expressions of the position in the painted shape's own coordinates, and of its
+/// normal there. Children of a kPaint node in this order. diffuse = (1 − metallic)·color·(n·l); highlight colour =
+/// mix(specular·white, color, metallic); Phong exponent from roughness: see phong_exponent(). Outside of their ranges
+/// values are clamped where they are used.
 struct Material {
-  Vec3 color{0.8, 0.8, 0.8};
-  double roughness = 0.5;  ///< 0 (mirror-like highlight) … 1 (dull)
-  double specular = 0.3;   ///< strength of the highlight of a non-metal, 0 … 1
-  double metallic = 0.0;   ///< 0 … 1
+  static constexpr std::size_t kSlots = 7;
+  /// red, green, blue ≥ 0 (linear); roughness 0 (mirror-like highlight) … 1 (dull); specular (strength of the highlight
+  /// of a non-metal), metallic and reflectivity (share of the mirror image in what is seen), each 0 … 1.
+  std::array<NodePtr, kSlots> slots;
 
   friend bool operator==(const Material&, const Material&) = default;
 };
+
+/// What shapes without paint are made of.
+const Material& default_material();
 
 /// Phong exponent of a roughness: 2/α² − 2 with α = roughness², clamped to [1, 8192] (B. Karis, "Specular BRDF
 /// reference", 2013, for the map from roughness to a power).
 double phong_exponent(double roughness);
 
-enum class LightKind : std::uint8_t { kDirectional, kPoint };
+enum class LightKind : std::uint8_t { kDirectional, kPoint, kSpot };
 
 struct Light {
   LightKind kind = LightKind::kDirectional;
-  Vec3 vector{0.0, -1.0, 0.0};  ///< directional: unit direction in which light travels; point: position
-  Vec3 color{1.0, 1.0, 1.0};    ///< irradiance on a surface that faces the light (point: at unit distance)
-  int decay = 2;                ///< point lights: irradiance = color / distance^decay; 0, 1 or 2
+  Vec3 vector{0.0, -1.0, 0.0};     ///< directional: unit direction in which light travels; else: position
+  Vec3 color{1.0, 1.0, 1.0};       ///< irradiance on a surface that faces the light (else: at unit distance)
+  int decay = 2;                   ///< all but directional: irradiance = color / distance^decay; 0, 1 or 2
+  Vec3 direction{0.0, -1.0, 0.0};  ///< spot: unit direction in which its middle shines
+  double inner_cosine = 1.0;       ///< spot: full strength where the angle's cosine is above
+  double outer_cosine = 0.0;       ///< spot: none below; between, smoothstep of the cosine. < inner_cosine
 };
 
-/// Radiance of a ray that hits nothing: toward·max(rd·L, 0) + away·max(−rd·L, 0) + base.
+/// Radiance of a ray that hits nothing: three expressions (red, green, blue ≥ 0) of the ray's unit direction, which
+/// stands in the place of the point.
 struct Sky {
-  Vec3 axis{0.0, 1.0, 0.0};  ///< unit vector L
-  Vec3 toward{0.0, 0.0, 0.0};
-  Vec3 away{0.0, 0.0, 0.0};
-  Vec3 base{0.0, 0.0, 0.0};
+  std::array<NodePtr, 3> color;
 };
 
 enum class CameraKind : std::uint8_t { kPerspective, kOrthographic, kPanoramic };
@@ -89,16 +97,19 @@ struct March {
   bool secant_finish = true;     ///< refine a hit by the secant through the last two samples, unless it leaves eps/16
 };
 
-enum class Normals : std::uint8_t { kExact, kCentral };
+enum class Normals : std::uint8_t { kExact, kCentral, kTetrahedron };
 enum class Shadows : std::uint8_t { kNone, kHard, kSoft };
 
 struct Shading {
   Normals normals = Normals::kExact;
-  double normal_step = 1e-3;  ///< half the central difference, scene units; kCentral only
+  double normal_step = 1e-3;  ///< of differences and of the estimate for solids; scene units, > 0
   Shadows shadows = Shadows::kSoft;
   double shadow_k = 32.0;           ///< sharpness of soft shadows, > 0
   int occlusion = 5;                ///< samples along the normal; 0 = none
   double occlusion_distance = 0.1;  ///< of the farthest sample, scene units, > 0
+  int bounces = 0;                  ///< reflections that are followed
+  double reflection_cutoff = 1e-3;  ///< a reflection whose weight in the picture is below is not followed, ≥ 0
+  double reflection_offset = 1e-3;  ///< mirror rays leave from here above the surface (at least 2·hit epsilon), ≥ 0
 };
 
 /// Per-ray outcome. Values are part of the file format.

@@ -16,6 +16,13 @@ namespace octomarch::kernels {
 
 constexpr std::size_t padded_lanes(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
+/// Texels of an image: RGB after RGB, row 0 at the top.
+struct ImageView {
+  const float* texels;
+  std::uint32_t width;
+  std::uint32_t height;
+};
+
 /// A tape as kernels see it. Its register file has kLanes numbers per register, aligned; gradients need one four times as
 /// large, marches two files and kMarchRows rows more, in one piece.
 template <class Real>
@@ -25,6 +32,7 @@ struct TapeView {
   const Real* constants;
   std::uint32_t registers;
   std::uint16_t result;
+  const ImageView* images;
 };
 
 /// One input of a ray: an array (any alignment, exactly `count` long), or one value for all.
@@ -95,6 +103,16 @@ struct TileView {
   std::uint32_t left, top;      ///< where the planes begin in the whole picture
 };
 
+/// Where the field is sampled around a point: at point + step·offset for each offset. The direction found is the sum of
+/// the offsets, each times the field there, or where `counted`, times −1 where that is negative and else 0.
+template <class Real>
+struct StencilView {
+  const Real* offsets;  ///< x y z after x y z
+  std::size_t count;
+  Real step;
+  bool counted;
+};
+
 /// Surface points to be shaded, with what the kernels fill in.
 template <class Real>
 struct SurfaceView {
@@ -110,30 +128,35 @@ struct SurfaceView {
 template <class Real>
 struct LightView {
   bool directional;
-  Real vector[3];  ///< directional: unit vector to the light; point: position
+  Real vector[3];  ///< directional: unit vector to the light; else: position
   Real color[3];
   int decay;
   Real max_distance;  ///< directional: how far occluders are searched
+  bool spot;
+  Real axis[3];       ///< spot: unit direction in which its middle shines
+  Real outer_cosine;  ///< spot: none below
+  Real cone_scale;    ///< spot: 1 / (inner cosine − outer cosine)
 };
 
-/// One light's part at every point: unit vector to it, distance, cosine to the normal, irradiance scale.
+/// One light's part at every point: unit vector to it, distance, cosine to the normal, and how strong it is there.
 template <class Real>
 struct LightSamples {
   Vectors<Real> toward;
   Real* distance;
   Real* cosine;
+  Real* strength;    ///< fall with the distance, times what a spot's cone lets out
   Real* visibility;  ///< 0 … 1; read by add_light
 };
 
-/// Per-point material terms and the colour being summed.
+/// What every point is made of: the slots of a Material, and what follows from them.
 template <class Real>
 struct MaterialView {
   Vectors<Real> albedo;
-  Real* diffuse;  ///< 1 − metallic
+  Real* roughness;
   Real* specular;
   Real* metallic;
-  Real* exponent;
-  Vectors<Real> color;
+  Real* reflectivity;
+  Real* exponent;  ///< Phong's; filled by clamp_materials
 };
 
 template <class Real>
@@ -149,12 +172,18 @@ struct KernelTable {
   /// The tape's result at points; NaN at NaN points. This and the next two poll `cancelled` at every block.
   void (*distance)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
                    const bool* cancelled, Real* out);
+  /// Several results of a tape at points: outs[i] gets that of register results[i]. `normals`: inputs 3, 4, 5 of tapes that
+  /// have them, else null.
+  void (*expressions)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points,
+                      const Vectors<const Real>* normals, std::size_t count, const bool* cancelled,
+                      const std::uint16_t* results, std::size_t result_count, Real* const* outs);
   /// The exact gradient at points; the register file is four times as large.
   void (*gradient)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
                    const bool* cancelled, const Vectors<Real>& out);
-  /// The gradient by central differences, scaled by 2·step (directions are what counts).
-  void (*central_difference)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points,
-                             std::size_t count, Real step, const bool* cancelled, const Vectors<Real>& out);
+  /// A direction across the surface from the field around each point, by differences or by counting. Its length means
+  /// nothing.
+  void (*sample_around)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
+                        const StencilView<Real>&, const bool* cancelled, const Vectors<Real>& out);
   /// Gradients in surface.normal become unit normals, −direction where there is none.
   void (*normalize)(const SurfaceView<Real>&);
   /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, where a ray grazes an edge
@@ -163,10 +192,18 @@ struct KernelTable {
   /// Ambient visibility from `samples` points along the normal, up to `distance` away. `cancelled` is polled at each.
   void (*occlusion)(const TapeView<Real>&, Real* registers, const SurfaceView<Real>&, int samples, Real distance,
                     const bool* cancelled, Real* out);
+  /// Brings slots into their ranges: albedo ≥ 0, the others 0 … 1, NaN to 0. Fills exponent.
+  void (*clamp_materials)(const MaterialView<Real>&, std::size_t count);
+  /// Colours ≥ 0, NaN to 0.
+  void (*clamp_colors)(const Vectors<Real>&, std::size_t count);
+  /// Rays that leave each point like light that is mirrored there: direction d − 2(d·n)n, n the facing normal; origin
+  /// max(offset, 2·epsilon) above the point.
+  void (*mirror_rays)(const SurfaceView<Real>&, Real offset, const Vectors<Real>& origin,
+                      const Vectors<Real>& direction);
   void (*light_samples)(const SurfaceView<Real>&, const LightView<Real>&, const LightSamples<Real>&);
-  /// color += visibility·irradiance·(Lambert + Phong).
+  /// color += visibility·strength·irradiance·(Lambert + Phong), where the surface faces the light.
   void (*add_light)(const SurfaceView<Real>&, const LightView<Real>&, const LightSamples<Real>&,
-                    const MaterialView<Real>&);
+                    const MaterialView<Real>&, const Vectors<Real>& color);
 };
 
 }  // namespace octomarch::kernels

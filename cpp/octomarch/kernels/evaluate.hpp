@@ -3,13 +3,19 @@
 // Compilation comes before; march.hpp and surface.hpp call it.
 #pragma once
 
+#include <type_traits>
+
 #include "octomarch/base/dual.hpp"
 #include "octomarch/kernels/api.hpp"
 #include "octomarch/kernels/lanes.hpp"
 #include "octomarch/ops/attribute.hpp"
 #include "octomarch/ops/csg.hpp"
 #include "octomarch/ops/domain.hpp"
+#include "octomarch/ops/expression.hpp"
+#include "octomarch/ops/flat.hpp"
+#include "octomarch/ops/polyhedra.hpp"
 #include "octomarch/ops/primitives.hpp"
+#include "octomarch/ops/texture.hpp"
 #include "octomarch/program/instruction.hpp"
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
@@ -40,17 +46,29 @@ struct RegisterLayout<Dual<Lanes<Real>>> {
   }
 };
 
+/// An operator with the constants of one instruction; some look at the tape's images too.
+template <template <class> class Op, class Real>
+Op<Lanes<Real>> operator_of(const Instruction& instruction, const TapeView<Real>& tape) {
+  const Real* const constants = tape.constants + instruction.constants;
+  if constexpr (std::is_constructible_v<Op<Lanes<Real>>, const Real*, const ImageView*>) {
+    return Op<Lanes<Real>>(constants, tape.images);
+  } else {
+    return Op<Lanes<Real>>(constants);
+  }
+}
+
 /// Runs one instruction over `count` batches. All inputs of a batch are read before its outputs are written, since
 /// they may share registers.
 template <class Real>
-using Handler = void (*)(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count);
+using Handler = void (*)(const Instruction& instruction, const TapeView<Real>& tape, Real* registers,
+                         std::size_t count);
 
 template <template <class> class Op, class T, class Real, std::size_t Inputs, std::size_t Outputs>
-[[gnu::flatten]] void execute(const Instruction& instruction, const Real* constants, Real* registers,
+[[gnu::flatten]] void execute(const Instruction& instruction, const TapeView<Real>& tape, Real* registers,
                               std::size_t count) {
   using Layout = RegisterLayout<T>;
   constexpr std::size_t kRegister = Layout::kComponents * kLanes;
-  const Op<Lanes<Real>> op(constants);
+  const auto op = operator_of<Op, Real>(instruction, tape);
   Real* const out0 = registers + instruction.out[0] * kRegister;
   Real* const out1 = registers + instruction.out[1] * kRegister;
   Real* const out2 = registers + instruction.out[2] * kRegister;
@@ -60,7 +78,7 @@ template <template <class> class Op, class T, class Real, std::size_t Inputs, st
   const Real* const in3 = registers + instruction.in[3] * kRegister;
 
   const auto call = [&](std::size_t lane) {
-    if constexpr (Inputs == 0) return op();
+    if constexpr (Inputs == 0) return Lift<T>::from(op());
     if constexpr (Inputs == 1) return op(Layout::load(in0 + lane));
     if constexpr (Inputs == 2) return op(Layout::load(in0 + lane), Layout::load(in1 + lane));
     if constexpr (Inputs == 3) return op(Layout::load(in0 + lane), Layout::load(in1 + lane), Layout::load(in2 + lane));
@@ -75,7 +93,7 @@ template <template <class> class Op, class T, class Real, std::size_t Inputs, st
     } else {
       Layout::store(result.x, out0 + lane);
       Layout::store(result.y, out1 + lane);
-      Layout::store(result.z, out2 + lane);
+      if constexpr (Outputs == 3) Layout::store(result.z, out2 + lane);
     }
   });
 }
@@ -91,7 +109,7 @@ constexpr Handler<Real> kValueHandlers[] = {
 
 template <template <class> class Op, class Real, std::size_t Inputs, std::size_t Outputs>
 constexpr Handler<Real> dual_handler() {
-  if constexpr (Inputs == 0 || Inputs == 4) {
+  if constexpr (Inputs == 4) {
     return nullptr;
   } else {
     return &execute<Op, Dual<Lanes<Real>>, Real, Inputs, Outputs>;
@@ -109,7 +127,7 @@ constexpr Handler<Real> kDualHandlers[] = {
 template <class Real>
 const Real* evaluate(const TapeView<Real>& tape, Real* registers, std::size_t count) {
   for (const Instruction* i = tape.code; i != tape.code + tape.length; ++i) {
-    kValueHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape.constants + i->constants, registers, count);
+    kValueHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape, registers, count);
   }
   return registers + tape.result * kLanes;
 }
@@ -118,7 +136,7 @@ const Real* evaluate(const TapeView<Real>& tape, Real* registers, std::size_t co
 template <class Real>
 const Real* evaluate_dual(const TapeView<Real>& tape, Real* registers, std::size_t count) {
   for (const Instruction* i = tape.code; i != tape.code + tape.length; ++i) {
-    kDualHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape.constants + i->constants, registers, count);
+    kDualHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape, registers, count);
   }
   return registers + tape.result * 4 * kLanes;
 }

@@ -40,6 +40,28 @@ void distance(const TapeView<Real>& tape, Real* registers, const Vectors<const R
 }
 
 template <class Real>
+void expressions(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points,
+                 const Vectors<const Real>* normals, std::size_t count, const bool* cancelled,
+                 const std::uint16_t* results, std::size_t result_count, Real* const* outs) {
+  using T = Lanes<Real>;
+  for (std::size_t first = 0; first < count && !is_set(cancelled); first += kLanes) {
+    const std::size_t n = batches<Real>(lanes_in_block(first, count));
+    const auto copy = [n](const Real* from, Real* to) {
+      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) T::load(from + lane).store(to + lane);
+    };
+    const auto place = [&](const Vectors<const Real>& rows, std::size_t input) {
+      copy(rows.x + first, registers + input * kLanes);
+      copy(rows.y + first, registers + (input + 1) * kLanes);
+      copy(rows.z + first, registers + (input + 2) * kLanes);
+    };
+    place(points, 0);
+    if (normals != nullptr) place(*normals, 3);
+    evaluate(tape, registers, n);
+    for (std::size_t i = 0; i < result_count; ++i) copy(registers + results[i] * kLanes, outs[i] + first);
+  }
+}
+
+template <class Real>
 void gradient(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, std::size_t count,
               const bool* cancelled, const Vectors<Real>& out) {
   using T = Lanes<Real>;
@@ -63,30 +85,33 @@ void gradient(const TapeView<Real>& tape, Real* registers, const Vectors<const R
 }
 
 template <class Real>
-void central_difference(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points,
-                        std::size_t count, Real step, const bool* cancelled, const Vectors<Real>& out) {
+void sample_around(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, std::size_t count,
+                   const StencilView<Real>& stencil, const bool* cancelled, const Vectors<Real>& out) {
   using T = Lanes<Real>;
   const Real* const coordinates[3] = {points.x, points.y, points.z};
   Real* const results[3] = {out.x, out.y, out.z};
-  alignas(kAlignment) Real ahead[kLanes];
-  for (std::size_t first = 0; first < count && !is_set(cancelled); first += kLanes) {
+  for (std::size_t first = 0; first < count; first += kLanes) {
     const std::size_t n = batches<Real>(lanes_in_block(first, count));
-    const auto sample = [&](std::size_t axis, const T& offset) {
-      for (std::size_t c = 0; c < 3; ++c) {
-        const T moved = c == axis ? offset : T(Real(0));
+    for (Real* result : results) {
+      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) T(Real(0)).store(result + first + lane);
+    }
+    for (std::size_t i = 0; i < stencil.count; ++i) {
+      if (is_set(cancelled)) return;
+      const Real* const offset = stencil.offsets + 3 * i;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const T moved = stencil.step * offset[axis];
         for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-          (T::load(coordinates[c] + first + lane) + moved).store(registers + c * kLanes + lane);
+          (T::load(coordinates[axis] + first + lane) + moved).store(registers + axis * kLanes + lane);
         }
       }
-      return evaluate(tape, registers, n);
-    };
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const Real* field = sample(axis, T(step));
-      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>)
-        T::load(field + lane).store(ahead + lane);
-      field = sample(axis, T(-step));
+      const Real* const field = evaluate(tape, registers, n);
       for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-        (T::load(ahead + lane) - T::load(field + lane)).store(results[axis] + first + lane);
+        const T value = T::load(field + lane);
+        const T weight = stencil.counted ? select(value < T(Real(0)), T(Real(-1)), T(Real(0))) : value;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          Real* const sum = results[axis] + first + lane;
+          (T::load(sum) + weight * T(offset[axis])).store(sum);
+        }
       }
     }
   }
@@ -140,6 +165,23 @@ void face_rays(const SurfaceView<Real>& surface) {
     store3(facing, surface.facing, i);
     const T offset = T::load(surface.epsilon + i) * T(Real(2));
     store3<Real>({p.x + facing.x * offset, p.y + facing.y * offset, p.z + facing.z * offset}, surface.origin, i);
+  }
+}
+
+template <class Real>
+void mirror_rays(const SurfaceView<Real>& surface, Real offset, const Vectors<Real>& origin,
+                 const Vectors<Real>& direction) {
+  using T = Lanes<Real>;
+  const std::size_t end = batches<Real>(surface.count) * kWidth<Real>;
+  for (std::size_t i = 0; i < end; i += kWidth<Real>) {
+    const auto p = load3(surface.position, i);
+    const auto n = load3(surface.facing, i);
+    const auto d = load3(surface.direction, i);
+    const T along = d.x * n.x + d.y * n.y + d.z * n.z;
+    const T twice = along + along;
+    store3<Real>({d.x - twice * n.x, d.y - twice * n.y, d.z - twice * n.z}, direction, i);
+    const T height = max(T(offset), T::load(surface.epsilon + i) * T(Real(2)));
+    store3<Real>({p.x + height * n.x, p.y + height * n.y, p.z + height * n.z}, origin, i);
   }
 }
 

@@ -3,6 +3,8 @@
 // combination of theirs. Intersections and differences give lower bounds of the true distance.
 #pragma once
 
+#include "octomarch/ops/dual_math.hpp"
+#include "octomarch/ops/math.hpp"
 #include "octomarch/ops/number.hpp"
 
 namespace octomarch::ops {
@@ -99,6 +101,46 @@ struct SmoothDifference {
   template <class T>
   T operator()(const T& a, const T& b) const {
     return max(a, -b) + blend(-b - a);
+  }
+};
+
+/// Exponential blend of two fields, m − k·log1p(exp(−|a − b|/k)), m the smaller: a sum of exponentials that cannot
+/// overflow. Constants: k, 1/k.
+template <class C>
+struct Metaballs {
+  C k, inverse;
+  template <class Real>
+  explicit Metaballs(const Real* p) : k(p[0]), inverse(p[1]) {}
+
+  template <class T>
+  T operator()(const T& a, const T& b) const {
+    return min(a, b) - log1p(exp(-abs(a - b) * inverse)) * k;
+  }
+};
+
+/// A wall about the surface. Constants: half its thickness.
+template <class C>
+struct Shell {
+  C half;
+  template <class Real>
+  explicit Shell(const Real* p) : half(p[0]) {}
+
+  template <class T>
+  T operator()(const T& a) const {
+    return abs(a) - half;
+  }
+};
+
+/// A flat field between two planes: inputs its distance and the coordinate across. Constants: half height.
+template <class C>
+struct Extrude {
+  C half, zero;
+  template <class Real>
+  explicit Extrude(const Real* p) : half(p[0]), zero(Real(0)) {}
+
+  template <class T>
+  T operator()(const T& a, const T& z) const {
+    return box_distance(a, abs(z) - half, zero);
   }
 };
 

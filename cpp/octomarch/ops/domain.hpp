@@ -1,6 +1,8 @@
 // Operators that move points before a field is taken there: rotation into a child's frame, and repetition.
 #pragma once
 
+#include "octomarch/ops/dual_math.hpp"
+#include "octomarch/ops/math.hpp"
 #include "octomarch/ops/number.hpp"
 
 namespace octomarch::ops {
@@ -83,6 +85,71 @@ struct RepeatNeighbour {
     const C own = counted.cell(value_of(p));
     const C side = select(value_of(p) - own * counted.endless.period < middle, -one, one);
     return p - counted.clamped(own + side) * counted.endless.period;
+  }
+};
+
+/// Cut through 0 and drawn apart: p − clamp(p, −half, half). Constants: half.
+template <class C>
+struct Elongate {
+  C half;
+  template <class Real>
+  explicit Elongate(const Real* p) : half(p[0]) {}
+
+  template <class T>
+  T operator()(const T& p) const {
+    return p - min(max(p, -half), half);
+  }
+};
+
+/// Constants: lo, hi.
+template <class C>
+struct Clamp {
+  C lo, hi;
+  template <class Real>
+  explicit Clamp(const Real* p) : lo(p[0]), hi(p[1]) {}
+
+  template <class T>
+  T operator()(const T& p) const {
+    return min(max(p, lo), hi);
+  }
+};
+
+/// (u, v) pulled to within `radius` of the origin, then turned by `angle(pulled u)`.
+template <class T, class C, class Angle>
+PlanarPoint<T> turned_within(const T& u, const T& v, const C& radius, const C& one, Angle&& angle) {
+  const T factor = min(radius / length(u, v), one);
+  const T pulled_u = u * factor;
+  const T pulled_v = v * factor;
+  const T turn = angle(pulled_u);
+  const T c = cos(turn);
+  const T s = sin(turn);
+  return {c * pulled_u - s * pulled_v, s * pulled_u + c * pulled_v};
+}
+
+/// Turned about the second input's axis, by an angle that grows along it. Outputs: first and third. Constants: radians per
+/// unit, radius.
+template <class C>
+struct Twist {
+  C rate, radius, one;
+  template <class Real>
+  explicit Twist(const Real* p) : rate(p[0]), radius(p[1]), one(Real(1)) {}
+
+  template <class T>
+  PlanarPoint<T> operator()(const T& u, const T& along, const T& v) const {
+    return turned_within(u, v, radius, one, [&](const T& /*u*/) { return along * rate; });
+  }
+};
+
+/// Turned by an angle that grows with the first input. Constants: radians per unit, radius.
+template <class C>
+struct Bend {
+  C rate, radius, one;
+  template <class Real>
+  explicit Bend(const Real* p) : rate(p[0]), radius(p[1]), one(Real(1)) {}
+
+  template <class T>
+  PlanarPoint<T> operator()(const T& x, const T& y) const {
+    return turned_within(x, y, radius, one, [&](const T& u) { return u * rate; });
   }
 };
 

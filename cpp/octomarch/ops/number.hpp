@@ -16,6 +16,13 @@ struct Triple {
   T z;
 };
 
+/// Two numbers: the outputs of an operator that moves points in a plane.
+template <class T>
+struct PlanarPoint {
+  T x;
+  T y;
+};
+
 /// min and max of two fields. Values with derivatives have overloads that take, of equal operands, one that has a slope.
 template <class T>
 T smaller_of(const T& a, const T& b) {

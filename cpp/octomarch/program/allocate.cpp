@@ -24,7 +24,7 @@ std::vector<std::uint32_t> register_needs(const DataFlow& flow) {
     std::array<std::uint32_t, kMaxInputs> operands{};
     std::size_t count = 0;
     for (const ValueId value : flow.inputs(operation)) {
-      if (value >= kInputs) operands[count++] = needs[flow.owner(value)];
+      if (value >= flow.input_count()) operands[count++] = needs[flow.owner(value)];
     }
     std::sort(operands.begin(), operands.begin() + static_cast<std::ptrdiff_t>(count), std::greater<>());
     std::uint32_t need = info(operation.op).outputs;
@@ -34,13 +34,15 @@ std::vector<std::uint32_t> register_needs(const DataFlow& flow) {
   return needs;
 }
 
-/// Operations that `result` depends on, operands first, the needier operand before the other.
-std::vector<std::uint32_t> schedule(const DataFlow& flow, ValueId result) {
+/// Operations that `results` depend on, operands first, the needier operand before the other.
+std::vector<std::uint32_t> schedule(const DataFlow& flow, std::span<const ValueId> results) {
   std::vector<std::uint32_t> order;
-  if (result < kInputs) return order;
   const std::vector<std::uint32_t> needs = register_needs(flow);
   std::vector<char> seen(needs.size(), 0);
-  std::vector<std::pair<std::uint32_t, bool>> stack{{flow.owner(result), false}};
+  std::vector<std::pair<std::uint32_t, bool>> stack;
+  for (const ValueId result : results) {
+    if (result >= flow.input_count()) stack.emplace_back(flow.owner(result), false);
+  }
   while (!stack.empty()) {
     const auto [index, operands_done] = stack.back();
     stack.pop_back();
@@ -53,7 +55,7 @@ std::vector<std::uint32_t> schedule(const DataFlow& flow, ValueId result) {
     stack.emplace_back(index, true);
     std::vector<std::uint32_t> operands;
     for (const ValueId value : flow.inputs(flow.operations()[index])) {
-      if (value >= kInputs) operands.push_back(flow.owner(value));
+      if (value >= flow.input_count()) operands.push_back(flow.owner(value));
     }
     // the stack returns the last first: ascending needs put the neediest on top, and of equals the first operand
     std::reverse(operands.begin(), operands.end());
@@ -66,6 +68,8 @@ std::vector<std::uint32_t> schedule(const DataFlow& flow, ValueId result) {
 /// Hands out the lowest free register, so that the working set stays small and the same program is always the same.
 class RegisterFile {
  public:
+  explicit RegisterFile(std::uint32_t inputs) : count_(inputs) {}
+
   std::uint16_t take() {
     if (!free_.empty()) {
       const std::uint16_t lowest = free_.top();
@@ -80,30 +84,45 @@ class RegisterFile {
   std::uint32_t count() const { return count_; }
 
  private:
-  std::uint32_t count_ = kInputs;
+  std::uint32_t count_;
   std::priority_queue<std::uint16_t, std::vector<std::uint16_t>, std::greater<>> free_;
 };
 
-/// For every value, the place in `order` where it is read last; one past the end for the result.
-std::vector<std::uint32_t> last_uses(const DataFlow& flow, const std::vector<std::uint32_t>& order, ValueId result) {
+/// For every value, the place in `order` where it is read last; one past the end for results.
+std::vector<std::uint32_t> last_uses(const DataFlow& flow, const std::vector<std::uint32_t>& order,
+                                     std::span<const ValueId> results) {
   std::vector<std::uint32_t> last(flow.value_count(), 0);
   for (std::uint32_t place = 0; place < order.size(); ++place) {
     for (const ValueId value : flow.inputs(flow.operations()[order[place]])) last[value] = place;
   }
-  last[result] = static_cast<std::uint32_t>(order.size());
+  for (const ValueId result : results) last[result] = static_cast<std::uint32_t>(order.size());
   return last;
+}
+
+/// The normal takes registers only where it is looked at.
+std::uint32_t inputs_that_are_read(const DataFlow& flow, const std::vector<std::uint32_t>& order,
+                                   std::span<const ValueId> results) {
+  const auto is_normal = [&](ValueId value) { return value >= kPointInputs && value < flow.input_count(); };
+  const bool in_code = std::any_of(order.begin(), order.end(), [&](std::uint32_t index) {
+    const std::span<const ValueId> inputs = flow.inputs(flow.operations()[index]);
+    return std::any_of(inputs.begin(), inputs.end(), is_normal);
+  });
+  return in_code || std::any_of(results.begin(), results.end(), is_normal) ? kSurfaceInputs : kPointInputs;
 }
 
 }  // namespace
 
-Tape allocate(const DataFlow& flow, ValueId result) {
-  const std::vector<std::uint32_t> order = schedule(flow, result);
-  const std::vector<std::uint32_t> last = last_uses(flow, order, result);
+Tape allocate(const DataFlow& flow, std::span<const ValueId> results) {
+  const std::vector<std::uint32_t> order = schedule(flow, results);
+  const std::vector<std::uint32_t> last = last_uses(flow, order, results);
+  const std::uint32_t inputs_read = inputs_that_are_read(flow, order, results);
   std::vector<std::uint16_t> register_of(flow.value_count(), 0);
-  for (std::uint16_t i = 0; i < kInputs; ++i) register_of[i] = i;
+  for (std::uint16_t i = 0; i < flow.input_count(); ++i) register_of[i] = i;
 
-  RegisterFile registers;
+  RegisterFile registers(inputs_read);
   Tape tape;
+  tape.inputs = inputs_read;
+  tape.images = flow.images();
   tape.code.reserve(order.size());
   for (std::uint32_t place = 0; place < order.size(); ++place) {
     const Operation& operation = flow.operations()[order[place]];
@@ -125,7 +144,8 @@ Tape allocate(const DataFlow& flow, ValueId result) {
     }
     for (std::uint8_t i = 0; i < shape.outputs; ++i) {
       const ValueId output = operation.first_output + i;
-      if (last[output] == 0 && output != result) registers.release(register_of[output]);
+      const bool is_result = std::find(results.begin(), results.end(), output) != results.end();
+      if (last[output] == 0 && !is_result) registers.release(register_of[output]);
     }
 
     const double* constants = flow.constants().data() + operation.constants;
@@ -134,7 +154,7 @@ Tape allocate(const DataFlow& flow, ValueId result) {
   }
   tape.constants_f32.assign(tape.constants.begin(), tape.constants.end());
   tape.registers = registers.count();
-  tape.result = register_of[result];
+  for (const ValueId result : results) tape.results.push_back(register_of[result]);
   return tape;
 }
 

@@ -4,10 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
+#include "octomarch/graph/node.hpp"
 #include "octomarch/program/instruction.hpp"
 
 namespace octomarch {
@@ -15,7 +17,9 @@ namespace octomarch {
 using ValueId = std::uint32_t;
 
 /// Values 0, 1, 2 are the coordinates x, y, z.
-inline constexpr ValueId kInputs = 3;
+inline constexpr ValueId kPointInputs = 3;
+/// Where surfaces are looked at, values 3, 4, 5 are their normal.
+inline constexpr ValueId kSurfaceInputs = 6;
 
 struct Operation {
   Opcode op;
@@ -26,10 +30,21 @@ struct Operation {
 
 class DataFlow {
  public:
+  explicit DataFlow(ValueId inputs = kPointInputs) : inputs_(inputs), owner_(inputs, UINT32_MAX) {}
+
+  ValueId input_count() const { return inputs_; }
   /// The first output of `op` on these inputs: of an operation that exists already where there is an equal one, of a
   /// simpler one where an identity that keeps every bit allows it. O(1) expected.
   ValueId emit(Opcode op, std::span<const ValueId> inputs, std::span<const double> constants = {});
 
+  /// The same number everywhere.
+  ValueId constant(double value) { return emit(Opcode::kConstant, {}, {{value}}); }
+  /// The number of a value that is constant.
+  std::optional<double> constant_of(ValueId value) const;
+  /// The number by which texel instructions name an image.
+  double image_number(const NodePtr& image);
+
+  const std::vector<NodePtr>& images() const { return images_; }
   const std::vector<Operation>& operations() const { return operations_; }
   const std::vector<double>& constants() const { return constants_; }
   std::size_t value_count() const { return owner_.size(); }
@@ -40,13 +55,23 @@ class DataFlow {
   }
 
  private:
-  bool simplify(Opcode& op, std::array<ValueId, kMaxInputs>& in, ValueId& result) const;
+  /// An operation as it is asked for, and as it is simplified.
+  struct Request {
+    Opcode op;
+    std::array<ValueId, kMaxInputs> in;
+    std::optional<double> embedded;  ///< constant that takes the place of an operand
+    std::optional<ValueId> result;   ///< where no operation is needed
+  };
+  void simplify(Request& request);
+  void embed_constants(Request& request);
   bool is_complement(ValueId value) const;
   ValueId share(Opcode op, const std::array<ValueId, kMaxInputs>& in, std::span<const double> constants);
 
+  ValueId inputs_;
   std::vector<Operation> operations_;
   std::vector<double> constants_;
-  std::vector<std::uint32_t> owner_ = std::vector<std::uint32_t>(kInputs, UINT32_MAX);
+  std::vector<NodePtr> images_;
+  std::vector<std::uint32_t> owner_;
   std::unordered_multimap<std::uint64_t, std::uint32_t> by_content_;
 };
 

@@ -46,7 +46,7 @@ std::string listing(const Program& program) {
   const Tape& tape = program.distance();
   std::string text = "distance program: " + std::to_string(tape.code.size()) + " instructions, " +
                      std::to_string(tape.registers) + " registers; r0 r1 r2 = x y z, result in r" +
-                     std::to_string(tape.result) + "\n";
+                     std::to_string(tape.result()) + "\n";
   for (std::size_t i = 0; i < tape.code.size(); ++i) text += line(tape, i);
   text += "bounds " + point(program.bounds().lo) + " .. " + point(program.bounds().hi) + "\n";
   text += "lipschitz " + number(program.lipschitz()) + "\n";

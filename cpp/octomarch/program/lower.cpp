@@ -1,12 +1,15 @@
 #include "octomarch/program/lower.hpp"
 
+#include <cmath>
 #include <limits>
 #include <map>
 #include <unordered_map>
 #include <utility>
 
+#include "octomarch/base/error.hpp"
 #include "octomarch/base/hash.hpp"
 #include "octomarch/graph/builder.hpp"
+#include "octomarch/program/lower_expression.hpp"
 #include "octomarch/program/placement.hpp"
 
 namespace octomarch {
@@ -16,39 +19,54 @@ namespace {
 /// A blend takes k/4 at the most. Below this k that is nothing beside any distance, and 1/(4k) no number in float.
 constexpr double kNarrowestBlend = std::numeric_limits<float>::min();
 
-/// What a node has become: its distance, and for attributes the id of the primitive that shows there.
+using Slots = std::array<ValueId, Material::kSlots>;
+
+/// What a node has become: its distance; for attributes the id of the primitive that shows there; for surfaces what that
+/// is made of.
 struct Result {
   ValueId distance = 0;
   ValueId object = 0;
+  Slots slots{};
 };
 
 struct Operators {
   Opcode hard;
   Opcode smooth;
   Opcode select;
+  Opcode mix;
 };
 
 Operators operators_of(NodeKind kind) {
   switch (kind) {
     case NodeKind::kIntersection:
-      return {Opcode::kIntersection, Opcode::kSmoothIntersection, Opcode::kSelectIntersection};
-    case NodeKind::kDifference: return {Opcode::kDifference, Opcode::kSmoothDifference, Opcode::kSelectDifference};
+      return {Opcode::kIntersection, Opcode::kSmoothIntersection, Opcode::kSelectIntersection,
+              Opcode::kMixIntersection};
+    case NodeKind::kDifference:
+      return {Opcode::kDifference, Opcode::kSmoothDifference, Opcode::kSelectDifference, Opcode::kMixDifference};
+    case NodeKind::kMetaballs: return {Opcode::kUnion, Opcode::kMetaballs, Opcode::kSelectUnion, Opcode::kMixMetaballs};
     default:  // unions, and the copies that a repeat looks at
-      return {Opcode::kUnion, Opcode::kSmoothUnion, Opcode::kSelectUnion};
+      return {Opcode::kUnion, Opcode::kSmoothUnion, Opcode::kSelectUnion, Opcode::kMixUnion};
   }
 }
+
+/// A shape that is made of no other.
+bool is_leaf(const Node& node) { return node.children().empty() || !is_shape(node.child(0).kind()); }
 
 /// Walks the graph with a stack of its own, since graphs may be deeper than the machine's.
 class Lowering {
  public:
-  Lowering(const FactTable& facts, bool attributes) : facts_(facts), attributes_(attributes) {}
+  Lowering(const FactTable& facts, LoweringOf what)
+      : facts_(facts), what_(what), flow_(what == LoweringOf::kSurface ? kSurfaceInputs : kPointInputs) {}
 
   Lowered run(const Node& root) {
-    enter(root, intern(Placement{}));
+    Placement world;
+    if (what_ == LoweringOf::kSurface) world.normal = {3, 4, 5};
+    enter(root, intern(world));
     while (!stack_.empty()) step();
     Lowered lowered;
     lowered.distance = last_.distance;
     lowered.object = last_.object;
+    lowered.slots = last_.slots;
     lowered.flow = std::move(flow_);
     lowered.objects = std::move(objects_);
     lowered.materials = std::move(materials_);
@@ -81,8 +99,8 @@ class Lowering {
       last_ = known->second;
       return;
     }
-    if (node.children().empty()) {
-      last_ = lower_primitive(node, placements_[placement]);
+    if (is_leaf(node)) {
+      last_ = lower_primitive(node, Placement(placements_[placement]));
       results_.emplace(std::pair(&node, placement), last_);
       return;
     }
@@ -90,15 +108,27 @@ class Lowering {
     stack_.push_back({&node, placement, branches_of(node, placements_[placement]), 0, {}});
   }
 
+  /// Placements at which the one shape among a node's children is wanted; none where there are several.
   std::vector<PlacementId> branches_of(const Node& node, const Placement& placement) {
     switch (node.kind()) {
+      case NodeKind::kUnion:
+      case NodeKind::kIntersection:
+      case NodeKind::kDifference:
+      case NodeKind::kMetaballs: return {};
       case NodeKind::kTranslate:
       case NodeKind::kRotate:
       case NodeKind::kScale: return {intern(child_placement(placement, node))};
+      case NodeKind::kStretch:
+      case NodeKind::kMirror:
+      case NodeKind::kElongate:
+      case NodeKind::kTwist:
+      case NodeKind::kBend:
+      case NodeKind::kRevolve:
+      case NodeKind::kExtrude: return {intern(bent_placement(Placement(placement), node, flow_))};
       case NodeKind::kPaint: {
-        if (!attributes_) return {};
+        if (what_ == LoweringOf::kDistance) return {intern(placement)};
         Placement painted = placement;
-        painted.material = paint_index(material_of(node));
+        painted.material = paint_index(node, Placement(placement));
         return {intern(painted)};
       }
       case NodeKind::kRepeat: {
@@ -109,7 +139,7 @@ class Lowering {
         }
         return branches;
       }
-      default: return {};
+      default: return {intern(placement)};
     }
   }
 
@@ -117,7 +147,8 @@ class Lowering {
   void step() {
     Visit& visit = stack_.back();
     if (visit.done == visit.count()) {
-      last_ = visit.node->kind() == NodeKind::kComplement ? complement(visit.folded) : visit.folded;
+      last_ = visit.folded;
+      last_.distance = finish(*visit.node, Placement(placements_[visit.placement]), last_.distance);
       results_.emplace(std::pair(visit.node, visit.placement), last_);
       stack_.pop_back();
       if (!stack_.empty()) fold(stack_.back());
@@ -141,23 +172,101 @@ class Lowering {
     const Operators operators = operators_of(node.kind());
     const double k = node.kind() == NodeKind::kRepeat ? 0.0 : node.parameter(0) * placement.scale;
     Result result;
-    if (k >= kNarrowestBlend) {
-      result.distance = flow_.emit(operators.smooth, {{a.distance, b.distance}}, {{k, 0.25 / k}});
+    const bool blends = k >= kNarrowestBlend;
+    const bool is_metaballs = node.kind() == NodeKind::kMetaballs;
+    if (blends) {
+      result.distance =
+          flow_.emit(operators.smooth, {{a.distance, b.distance}}, {{k, is_metaballs ? 1.0 / k : 0.25 / k}});
     } else {
       result.distance = flow_.emit(operators.hard, {{a.distance, b.distance}});
     }
-    if (attributes_) result.object = flow_.emit(operators.select, {{a.distance, b.distance, a.object, b.object}});
+    if (what_ == LoweringOf::kAttributes) {
+      result.object = flow_.emit(operators.select, {{a.distance, b.distance, a.object, b.object}});
+    }
+    for (std::size_t i = 0; what_ == LoweringOf::kSurface && i < Material::kSlots; ++i) {
+      const std::array<ValueId, 4> inputs{a.distance, b.distance, a.slots[i], b.slots[i]};
+      if (!blends) result.slots[i] = flow_.emit(operators.select, inputs);
+      else if (is_metaballs) result.slots[i] = flow_.emit(operators.mix, inputs, {{1.0 / k}});
+      else result.slots[i] = flow_.emit(operators.mix, inputs, {{k, 0.5 / k}});
+    }
     return result;
   }
 
-  Result complement(const Result& inner) { return {flow_.emit(Opcode::kComplement, {{inner.distance}}), inner.object}; }
+  /// The distance of a node with one shape, whose distance at its own placement is `inner`.
+  ValueId finish(const Node& node, const Placement& placement, ValueId inner) {
+    const double s = placement.scale;
+    switch (node.kind()) {
+      case NodeKind::kComplement: return flow_.emit(Opcode::kComplement, {{inner}});
+      case NodeKind::kRound: return flow_.emit(Opcode::kAddConstant, {{inner}}, {{-node.parameter(0) * s}});
+      case NodeKind::kShell: return flow_.emit(Opcode::kShell, {{inner}}, {{node.parameter(0) * s}});
+      case NodeKind::kDisplace: return flow_.emit(Opcode::kAdd, {{inner, scaled(number(node.child(1), placement), s)}});
+      case NodeKind::kExtrude:
+        return flow_.emit(Opcode::kExtrude, {{inner, own_axes(placement, flow_)[2]}}, {{node.parameter(0) * s}});
+      case NodeKind::kTwist:
+      case NodeKind::kBend: return flow_.emit(Opcode::kIntersection, {{inner, emit_cut(node, placement, flow_)}});
+      default: return inner;
+    }
+  }
+
+  /// An expression at a placement, in the node's own units.
+  ValueId number(const Node& expression, const Placement& placement) {
+    return expressions_.lower(expression, own_coordinates(placement, flow_), flow_);
+  }
+
+  ValueId scaled(ValueId value, double scale) {
+    return flow_.emit(Opcode::kMultiply, {{value, flow_.constant(scale)}});
+  }
+
+  /// The user's own field; where it has bounds, points are held in them and the shape is cut there.
+  ValueId lower_field(const Node& node, const Placement& placement) {
+    const auto p = node.parameters();
+    Coordinates coordinates = own_coordinates(placement, flow_);
+    Coordinates inside = coordinates;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double lo = p[1 + axis];
+      const double hi = p[4 + axis];
+      if (std::isfinite(lo) || std::isfinite(hi)) {
+        inside[axis] = flow_.emit(Opcode::kClamp, {{coordinates[axis]}}, {{lo, hi}});
+      }
+    }
+    const ValueId value = expressions_.lower(node.child(0), inside, flow_);
+    if (inside == coordinates) return scaled(value, placement.scale);
+    return scaled(flow_.emit(Opcode::kIntersection, {{value, emit_bounds(p, coordinates)}}), placement.scale);
+  }
+
+  /// Exact distance of the box of a kField node, of which only the bounded axes count.
+  ValueId emit_bounds(std::span<const double> p, const Coordinates& coordinates) {
+    std::array<double, 6> constants{};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double lo = p[1 + axis];
+      const double hi = p[4 + axis];
+      const bool is_whole = std::isfinite(lo) && std::isfinite(hi);
+      if (!is_whole && (std::isfinite(lo) || std::isfinite(hi)))
+        throw SceneError("bounds end on one side of an axis only");
+      constants[axis] = is_whole ? 0.5 * (lo + hi) : 0.0;
+      constants[3 + axis] = is_whole ? 0.5 * (hi - lo) : kInfinity;
+    }
+    return flow_.emit(Opcode::kBox, std::span(coordinates).first(3), constants);
+  }
+
+  ValueId lower_distance(const Node& node, const Placement& placement) {
+    switch (node.kind()) {
+      case NodeKind::kField: return lower_field(node, placement);
+      case NodeKind::kSolid: return flow_.emit(Opcode::kSolid, {{number(node.child(0), placement)}});
+      default: return emit_primitive(node, placement, flow_);
+    }
+  }
 
   Result lower_primitive(const Node& node, const Placement& placement) {
     Result result;
-    result.distance = emit_primitive(node, placement, flow_);
-    if (!attributes_) return result;
-    const std::int32_t material =
-        material_index(placement.material >= 0 ? placement.material : paint_index(Material{}));
+    result.distance = lower_distance(node, placement);
+    if (what_ == LoweringOf::kDistance) return result;
+    const Paint& paint = paints_[static_cast<std::size_t>(placement.material >= 0 ? placement.material : unpainted())];
+    if (what_ == LoweringOf::kSurface) {
+      result.slots = paint.slots;
+      return result;
+    }
+    const std::int32_t material = material_index(paint.content);
     const auto id = static_cast<double>(objects_.size());
     const auto [entry, is_new] = object_ids_.try_emplace({result.distance, material}, id);
     if (is_new) objects_.push_back({node.kind(), material});
@@ -165,28 +274,41 @@ class Lowering {
     return result;
   }
 
-  /// Paints are numbered as the walk meets them; materials (below) as primitives show them.
-  std::int32_t paint_index(const Material& material) {
-    const std::array<double, 6> key{material.color.x,   material.color.y,  material.color.z,
-                                    material.roughness, material.specular, material.metallic};
-    const auto [entry, is_new] = paint_ids_.try_emplace(key, static_cast<std::int32_t>(paints_.size()));
-    if (is_new) paints_.push_back({material, -1});
+  struct Paint {
+    Material content;
+    Slots slots;  ///< surface only
+  };
+
+  /// Paints are numbered as the walk meets them, materials as primitives show them.
+  std::int32_t paint_index(const Node& node, const Placement& placement) {
+    Paint paint{material_of(node), {}};
+    for (std::size_t i = 0; what_ == LoweringOf::kSurface && i < Material::kSlots; ++i) {
+      paint.slots[i] = number(*paint.content.slots[i], placement);
+    }
+    return add_paint(paint);
+  }
+
+  std::int32_t add_paint(const Paint& paint) {
+    const auto next = static_cast<std::int32_t>(paints_.size());
+    const auto [entry, is_new] = paint_ids_.try_emplace({paint.content.slots, paint.slots}, next);
+    if (is_new) paints_.push_back(paint);
     return entry->second;
   }
 
-  std::int32_t material_index(std::int32_t paint) {
-    Paint& entry = paints_[static_cast<std::size_t>(paint)];
-    if (entry.material < 0) {
-      entry.material = static_cast<std::int32_t>(materials_.size());
-      materials_.push_back(entry.content);
-    }
-    return entry.material;
+  std::int32_t unpainted() {
+    if (unpainted_ >= 0) return unpainted_;
+    Paint paint{default_material(), {}};
+    for (std::size_t i = 0; i < Material::kSlots; ++i)
+      paint.slots[i] = flow_.constant(paint.content.slots[i]->parameter(0));
+    return unpainted_ = add_paint(paint);
   }
 
-  struct Paint {
-    Material content;
-    std::int32_t material;  ///< its number among the materials; −1 until a primitive shows it
-  };
+  std::int32_t material_index(const Material& material) {
+    const auto next = static_cast<std::int32_t>(materials_.size());
+    const auto [entry, is_new] = material_ids_.try_emplace(material.slots, next);
+    if (is_new) materials_.push_back(material);
+    return entry->second;
+  }
 
   struct VisitHash {
     std::size_t operator()(const std::pair<const Node*, PlacementId>& key) const noexcept {
@@ -197,8 +319,9 @@ class Lowering {
   };
 
   const FactTable& facts_;
-  bool attributes_;
+  LoweringOf what_;
   DataFlow flow_;
+  ExpressionLowering expressions_;
   std::vector<Placement> placements_;
   std::unordered_map<Placement, PlacementId, PlacementHash> placement_ids_;
   std::unordered_map<std::pair<const Node*, PlacementId>, Result, VisitHash> results_;
@@ -208,14 +331,14 @@ class Lowering {
   std::vector<Object> objects_;
   std::vector<Material> materials_;
   std::map<std::pair<ValueId, std::int32_t>, double> object_ids_;
+  std::map<std::array<NodePtr, Material::kSlots>, std::int32_t> material_ids_;
   std::vector<Paint> paints_;
-  std::map<std::array<double, 6>, std::int32_t> paint_ids_;
+  std::map<std::pair<std::array<NodePtr, Material::kSlots>, Slots>, std::int32_t> paint_ids_;
+  std::int32_t unpainted_ = -1;
 };
 
 }  // namespace
 
-Lowered lower(const Node& root, const FactTable& facts, LoweringOf what) {
-  return Lowering(facts, what == LoweringOf::kAttributes).run(root);
-}
+Lowered lower(const Node& root, const FactTable& facts, LoweringOf what) { return Lowering(facts, what).run(root); }
 
 }  // namespace octomarch

@@ -2,7 +2,7 @@
 // primitive's constants; a shape used twice in one place is computed once. After it comes the allocator.
 #pragma once
 
-#include "octomarch/program/analysis.hpp"
+#include "octomarch/graph/analysis.hpp"
 #include "octomarch/program/dataflow.hpp"
 #include "octomarch/program/program.hpp"
 
@@ -11,12 +11,13 @@ namespace octomarch {
 struct Lowered {
   DataFlow flow;
   ValueId distance = 0;
-  ValueId object = 0;               ///< value that holds the object id; attributes only
-  std::vector<Object> objects;      ///< attributes only
-  std::vector<Material> materials;  ///< attributes only
+  ValueId object = 0;                             ///< value that holds the object id; attributes only
+  std::vector<Object> objects;                    ///< attributes only
+  std::vector<Material> materials;                ///< attributes only
+  std::array<ValueId, Material::kSlots> slots{};  ///< what the surface is made of; surface only
 };
 
-enum class LoweringOf : std::uint8_t { kDistance, kAttributes };
+enum class LoweringOf : std::uint8_t { kDistance, kAttributes, kSurface };
 
 /// O(n) expected in the distinct (node, placement) pairs, constant stack. `facts`: of every node below `root`.
 Lowered lower(const Node& root, const FactTable& facts, LoweringOf what);

@@ -5,85 +5,12 @@
 #include <cmath>
 
 #include "octomarch/base/hash.hpp"
-#include "octomarch/program/analysis.hpp"
+#include "octomarch/graph/analysis.hpp"
+#include "octomarch/program/axes.hpp"
 
 namespace octomarch {
 
 namespace {
-
-double component(const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
-
-/// Frame axis that a local axis lies along; contract: the rotation is a signed permutation.
-std::size_t frame_axis(const Placement& placement, std::size_t local_axis) {
-  std::size_t row = 0;
-  while (placement.rotation[row * 3 + local_axis] == 0.0) ++row;
-  return row;
-}
-
-Vec3 placed_point(const Placement& placement, const Vec3& local) {
-  return placement.rotation * local * placement.scale + placement.offset;
-}
-
-ValueId emit_plane(const Node& node, const Placement& placement, DataFlow& flow) {
-  const Vec3 normal = placement.rotation * Vec3{node.parameter(0), node.parameter(1), node.parameter(2)};
-  const double h = placement.scale * node.parameter(3) - dot(normal, placement.offset);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double n = component(normal, axis);
-    if (std::fabs(n) == 1.0) return flow.emit(Opcode::kAxisPlane, {{placement.frame[axis]}}, {{n, h}});
-  }
-  return flow.emit(Opcode::kPlane, placement.frame, {{normal.x, normal.y, normal.z, h}});
-}
-
-ValueId emit_capsule(const Node& node, const Placement& placement, DataFlow& flow) {
-  const Vec3 a = placed_point(placement, {node.parameter(0), node.parameter(1), node.parameter(2)});
-  const Vec3 b = placed_point(placement, {node.parameter(3), node.parameter(4), node.parameter(5)});
-  const Vec3 e = b - a;
-  const double length2 = dot(e, e);
-  // a segment too short for its square to have an inverse is a point
-  const double inverse = std::isnormal(length2) && std::isfinite(1.0 / length2) ? 1.0 / length2 : 0.0;
-  return flow.emit(Opcode::kCapsule, placement.frame,
-                   {{a.x, a.y, a.z, e.x, e.y, e.z, inverse, placement.scale * node.parameter(6)}});
-}
-
-ValueId emit_box(const Node& node, const Placement& placement, DataFlow& flow) {
-  const Placement place = aligned(placement, flow);
-  Vec3 half = place.rotation * Vec3{node.parameter(0), node.parameter(1), node.parameter(2)} * place.scale;
-  half = {std::fabs(half.x), std::fabs(half.y), std::fabs(half.z)};
-  const Vec3& c = place.offset;
-  if (c == Vec3{}) return flow.emit(Opcode::kOriginBox, place.frame, {{half.x, half.y, half.z}});
-  return flow.emit(Opcode::kBox, place.frame, {{c.x, c.y, c.z, half.x, half.y, half.z}});
-}
-
-/// Frame coordinates and centre of a solid of revolution, ordered (across, along, across) its axis.
-struct Revolution {
-  std::array<ValueId, 3> frame;
-  std::array<double, 3> centre;
-};
-
-Revolution revolve(const Placement& place, double local_axis) {
-  const std::size_t along = frame_axis(place, static_cast<std::size_t>(local_axis));
-  const std::size_t first = along == 0 ? 1 : 0;
-  const std::size_t second = along == 2 ? 1 : 2;
-  return {{place.frame[first], place.frame[along], place.frame[second]},
-          {component(place.offset, first), component(place.offset, along), component(place.offset, second)}};
-}
-
-ValueId emit_revolution(const Node& node, const Placement& placement, DataFlow& flow) {
-  const Placement place = aligned(placement, flow);
-  const double s = place.scale;
-  if (node.kind() == NodeKind::kCylinder) {
-    const Revolution r = revolve(place, node.parameter(1));
-    if (r.centre[0] == 0.0 && r.centre[2] == 0.0) {
-      return flow.emit(Opcode::kOriginCylinder, {{r.frame[0], r.frame[2]}}, {{s * node.parameter(0)}});
-    }
-    return flow.emit(Opcode::kCylinder, {{r.frame[0], r.frame[2]}},
-                     {{r.centre[0], r.centre[2], s * node.parameter(0)}});
-  }
-  const Revolution r = revolve(place, node.parameter(2));
-  const Opcode op = node.kind() == NodeKind::kTorus ? Opcode::kTorus : Opcode::kCappedCylinder;
-  return flow.emit(op, r.frame,
-                   {{r.centre[0], r.centre[1], r.centre[2], s * node.parameter(0), s * node.parameter(1)}});
-}
 
 /// A kRepeat node's repetition along one axis of the frame.
 struct FrameRepeat {
@@ -140,6 +67,7 @@ std::array<ValueId, 3> nearest_cell(const std::array<ValueId, 3>& frame, const s
 std::size_t PlacementHash::operator()(const Placement& placement) const noexcept {
   std::uint64_t hash = static_cast<std::uint32_t>(placement.material);
   for (const ValueId value : placement.frame) mix(hash, value);
+  for (const ValueId value : placement.normal) mix(hash, value);
   mix(hash, std::bit_cast<std::uint64_t>(placement.scale));
   for (const double entry : placement.rotation) mix(hash, std::bit_cast<std::uint64_t>(entry + 0.0));
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -170,11 +98,113 @@ Placement aligned(const Placement& placement, DataFlow& flow) {
   const ValueId turned =
       flow.emit(Opcode::kRotate, placement.frame,
                 {{m[0], m[1], m[2], -shift.x, m[3], m[4], m[5], -shift.y, m[6], m[7], m[8], -shift.z}});
-  Placement result;
+  Placement result = placement;
   result.frame = {turned, turned + 1, turned + 2};
-  result.scale = placement.scale;
-  result.material = placement.material;
+  result.rotation = kIdentity3;
+  result.offset = {};
+  if (placement.normal[0] != kNoNormal) {
+    const ValueId normal = flow.emit(Opcode::kRotate, placement.normal,
+                                     {{m[0], m[1], m[2], 0.0, m[3], m[4], m[5], 0.0, m[6], m[7], m[8], 0.0}});
+    result.normal = {normal, normal + 1, normal + 2};
+  }
   return result;
+}
+
+std::array<ValueId, 3> own_axes(const Placement& placement, DataFlow& flow) {
+  const Placement place = aligned(placement, flow);
+  std::array<ValueId, 3> axes{};
+  for (std::size_t local = 0; local < 3; ++local) {
+    const std::size_t row = frame_axis(place, local);
+    const double offset = component(place.offset, row);
+    if (place.rotation[row * 3 + local] < 0.0) {
+      axes[local] = flow.emit(Opcode::kSubtractFrom, {{place.frame[row]}}, {{offset}});
+    } else if (offset != 0.0) {
+      axes[local] = flow.emit(Opcode::kAddConstant, {{place.frame[row]}}, {{-offset}});
+    } else {
+      axes[local] = place.frame[row];
+    }
+  }
+  return axes;
+}
+
+Coordinates own_coordinates(const Placement& placement, DataFlow& flow) {
+  std::array<ValueId, 3> axes = own_axes(placement, flow);
+  if (placement.scale != 1.0) {
+    for (ValueId& axis : axes) axis = flow.emit(Opcode::kMultiplyConstant, {{axis}}, {{1.0 / placement.scale}});
+  }
+  Coordinates coordinates{axes[0], axes[1], axes[2], kNoNormal, kNoNormal, kNoNormal};
+  if (placement.normal[0] == kNoNormal) return coordinates;
+  const Placement place = aligned(placement, flow);
+  for (std::size_t local = 0; local < 3; ++local) {
+    const std::size_t row = frame_axis(place, local);
+    const ValueId along = place.normal[row];
+    const bool reversed = place.rotation[row * 3 + local] < 0.0;
+    coordinates[3 + local] = reversed ? flow.emit(Opcode::kComplement, {{along}}) : along;
+  }
+  return coordinates;
+}
+
+Placement bent_placement(const Placement& parent, const Node& node, DataFlow& flow) {
+  Placement child;
+  child.frame = own_axes(parent, flow);
+  child.scale = parent.scale;
+  child.material = parent.material;
+  if (parent.normal[0] != kNoNormal) {
+    const Coordinates own = own_coordinates(parent, flow);
+    child.normal = {own[3], own[4], own[5]};
+  }
+  const double s = parent.scale;
+  const auto p = node.parameters();
+  std::array<ValueId, 3>& frame = child.frame;
+  switch (node.kind()) {
+    case NodeKind::kStretch: {
+      const double least = std::min({p[0], p[1], p[2]});
+      child.scale = s * least;
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (p[i] != least) frame[i] = flow.emit(Opcode::kMultiplyConstant, {{frame[i]}}, {{least / p[i]}});
+      }
+      break;
+    }
+    case NodeKind::kMirror: {
+      ValueId& mirrored = frame[static_cast<std::size_t>(p[0])];
+      mirrored = flow.emit(Opcode::kAbsolute, {{mirrored}});
+      break;
+    }
+    case NodeKind::kElongate:
+      for (std::size_t i = 0; i < 3; ++i) {
+        if (p[i] != 0.0) frame[i] = flow.emit(Opcode::kElongate, {{frame[i]}}, {{p[i] * s}});
+      }
+      break;
+    case NodeKind::kTwist: {
+      const Across across(p[2]);
+      const ValueId turned = flow.emit(
+          Opcode::kTwist, {{frame[across.first], frame[across.along], frame[across.second]}}, {{p[0] / s, p[1] * s}});
+      frame[across.first] = turned;
+      frame[across.second] = turned + 1;
+      break;
+    }
+    case NodeKind::kBend: {
+      const ValueId turned = flow.emit(Opcode::kBend, {{frame[0], frame[1]}}, {{p[0] / s, p[1] * s}});
+      frame[0] = turned;
+      frame[1] = turned + 1;
+      break;
+    }
+    case NodeKind::kRevolve:
+      frame[0] = flow.emit(Opcode::kOriginCylinder, {{frame[0], frame[2]}}, {{p[0] * s}});
+      frame[2] = flow.constant(0.0);
+      break;
+    default:  // kExtrude: its child is flat
+      frame[2] = flow.constant(0.0);
+      break;
+  }
+  return child;
+}
+
+ValueId emit_cut(const Node& node, const Placement& placement, DataFlow& flow) {
+  const std::array<ValueId, 3> frame = own_axes(placement, flow);
+  const Across across(node.kind() == NodeKind::kTwist ? node.parameter(2) : 2.0);
+  return flow.emit(Opcode::kOriginCylinder, {{frame[across.first], frame[across.second]}},
+                   {{node.parameter(1) * placement.scale}});
 }
 
 std::vector<Placement> repeat_placements(const Placement& parent, const Node& repeat, unsigned symmetry,
@@ -193,21 +223,6 @@ std::vector<Placement> repeat_placements(const Placement& parent, const Node& re
     }
   }
   return placements;
-}
-
-ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFlow& flow) {
-  switch (primitive.kind()) {
-    case NodeKind::kSphere: {
-      const Vec3& c = placement.offset;
-      const double radius = placement.scale * primitive.parameter(0);
-      if (c == Vec3{}) return flow.emit(Opcode::kOriginSphere, placement.frame, {{radius}});
-      return flow.emit(Opcode::kSphere, placement.frame, {{c.x, c.y, c.z, radius}});
-    }
-    case NodeKind::kBox: return emit_box(primitive, placement, flow);
-    case NodeKind::kPlane: return emit_plane(primitive, placement, flow);
-    case NodeKind::kCapsule: return emit_capsule(primitive, placement, flow);
-    default: return emit_revolution(primitive, placement, flow);
-  }
 }
 
 }  // namespace octomarch

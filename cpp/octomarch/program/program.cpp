@@ -1,15 +1,32 @@
 #include "octomarch/program/program.hpp"
 
+#include "octomarch/graph/analysis.hpp"
 #include "octomarch/program/allocate.hpp"
-#include "octomarch/program/analysis.hpp"
 #include "octomarch/program/lower.hpp"
+#include "octomarch/program/lower_expression.hpp"
 
 namespace octomarch {
+namespace {
+
+Expressions expressions_of(const DataFlow& flow, std::span<const ValueId> values) {
+  Expressions expressions;
+  std::vector<ValueId> varying;
+  for (const ValueId value : values) {
+    const std::optional<double> constant = flow.constant_of(value);
+    expressions.slots.push_back({constant.has_value(), constant.value_or(0.0), varying.size()});
+    if (!constant) varying.push_back(value);
+  }
+  expressions.tape = allocate(flow, varying);
+  return expressions;
+}
+
+}  // namespace
 
 Program::Program(NodePtr root) : root_(std::move(root)) {
   const FactTable facts = analyse(*root_);
   const Lowered lowered = lower(*root_, facts, LoweringOf::kDistance);
-  distance_ = allocate(lowered.flow, lowered.distance);
+  distance_ = allocate(lowered.flow, {&lowered.distance, 1});
+  is_solid_ = any_node(*root_, [](const Node& node) { return node.kind() == NodeKind::kSolid; });
   const FieldFacts& whole = facts.at(root_.get());
   lipschitz_ = whole.lipschitz;
   bounds_ = {whole.level.lo, whole.level.hi};
@@ -20,11 +37,29 @@ Program::Program(NodePtr root) : root_(std::move(root)) {
 const Attributes& Program::attributes() const {
   std::call_once(attributes_once_, [this] {
     Lowered lowered = lower(*root_, analyse(*root_), LoweringOf::kAttributes);
-    attributes_.tape = allocate(lowered.flow, lowered.object);
+    attributes_.tape = allocate(lowered.flow, {&lowered.object, 1});
     attributes_.objects = std::move(lowered.objects);
     attributes_.materials = std::move(lowered.materials);
   });
   return attributes_;
+}
+
+const Expressions& Program::surface() const {
+  std::call_once(surface_once_, [this] {
+    const Lowered lowered = lower(*root_, analyse(*root_), LoweringOf::kSurface);
+    surface_ = expressions_of(lowered.flow, lowered.slots);
+  });
+  return surface_;
+}
+
+Expressions compile_expressions(std::span<const NodePtr> expressions) {
+  DataFlow flow;
+  ExpressionLowering lowering;
+  std::vector<ValueId> values;
+  for (const NodePtr& expression : expressions) {
+    values.push_back(lowering.lower(*expression, {0, 1, 2, kNoNormal, kNoNormal, kNoNormal}, flow));
+  }
+  return expressions_of(flow, values);
 }
 
 std::shared_ptr<const Program> compile(const NodePtr& root) { return std::make_shared<const Program>(root); }

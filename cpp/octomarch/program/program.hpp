@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -15,13 +16,17 @@
 
 namespace octomarch {
 
-/// Straight-line code over registers. Registers 0, 1, 2 hold x, y, z at the start.
+/// Straight-line code over registers. Registers 0, 1, 2 hold x, y, z at the start; where there are six inputs, 3, 4, 5
+/// hold the normal.
 struct Tape {
   std::vector<Instruction> code;
   std::vector<double> constants;
   std::vector<float> constants_f32;  ///< the same, rounded once
+  std::vector<NodePtr> images;       ///< what texel instructions look at, by number
+  std::uint32_t inputs = 3;
   std::uint32_t registers = 3;
-  std::uint16_t result = 0;
+  std::vector<std::uint16_t> results;  ///< registers
+  std::uint16_t result() const { return results.front(); }
 };
 
 /// What the hit record's object_id stands for.
@@ -37,6 +42,20 @@ struct Attributes {
   std::vector<Material> materials;  ///< distinct materials, in order of first appearance over the primitives
 };
 
+/// Several numbers at a point: of a surface, what it is made of; of a sky, its colour. What is the same everywhere is no
+/// instruction and no result.
+struct Expressions {
+  struct Slot {
+    bool is_constant = true;
+    double value = 0.0;      ///< of a constant slot
+    std::size_t result = 0;  ///< index into tape.results of the others
+  };
+  Tape tape;
+  std::vector<Slot> slots;
+  bool uses_normal() const { return tape.inputs == 6; }
+  bool is_constant() const { return tape.results.empty(); }
+};
+
 /// Immutable and safe to share between threads; the attributes are compiled when first asked for.
 class Program {
  public:
@@ -44,6 +63,11 @@ class Program {
 
   const Tape& distance() const { return distance_; }
   const Attributes& attributes() const;
+  /// What the surface is made of at a point: Material's slots, blended across smooth operators by the weights with which
+  /// their operands' slopes count. A third program, run once per hit.
+  const Expressions& surface() const;
+  /// Has the field no distances in some part (om.solid)? Then only marches of fixed steps find its surface.
+  bool is_solid() const { return is_solid_; }
   /// |f(p) − f(q)| ≤ lipschitz·‖p − q‖: marchers divide by it.
   double lipschitz() const { return lipschitz_; }
   /// Holds every point of the solid; infinite where the solid may be.
@@ -57,9 +81,15 @@ class Program {
   double lipschitz_;
   Aabb bounds_;
   std::optional<Aabb> focus_;
+  bool is_solid_;
   mutable std::once_flag attributes_once_;
   mutable Attributes attributes_;
+  mutable std::once_flag surface_once_;
+  mutable Expressions surface_;
 };
+
+/// Compiles expressions of a point (and no normal), such as a sky's.
+Expressions compile_expressions(std::span<const NodePtr> expressions);
 
 /// Compiles a shape. O(n log n) in its distinct placed nodes, constant stack. Throws SceneError when it would need
 /// more than 65,535 registers.

@@ -7,16 +7,16 @@
 #include <limits>
 #include <utility>
 
-#include <glm/mat3x3.hpp>
-#include <glm/matrix.hpp>
+#include "octomarch/reference/domain.hpp"
+#include "octomarch/reference/own_field.hpp"
+#include "octomarch/reference/primitives.hpp"
 
 namespace octomarch::reference {
 namespace {
 
-constexpr int kUnpainted = -1;
-constexpr std::uint64_t kVisitsPerPoll = 1U << 18U;  // some ten milliseconds
+constexpr std::uint64_t kWorkPerPoll = 1U << 18U;  // some ten milliseconds
 
-/// Combinations and transforms that are reached from more than one place, so worth remembering.
+/// Combinations, transforms and the user's own fields that are reached from more than one place.
 std::unordered_set<const Node*> shared_nodes(const Node& root) {
   std::unordered_set<const Node*> seen;
   std::unordered_set<const Node*> shared;
@@ -24,7 +24,7 @@ std::unordered_set<const Node*> shared_nodes(const Node& root) {
   while (!work.empty()) {
     const Node* const node = work.back();
     work.pop_back();
-    for (const NodePtr& child : node->children()) {
+    for (const NodePtr& child : operand_shapes(*node)) {
       if (child->children().empty()) continue;
       if (seen.insert(child.get()).second) {
         work.push_back(child.get());
@@ -36,83 +36,54 @@ std::unordered_set<const Node*> shared_nodes(const Node& root) {
   return shared;
 }
 
-template <class T>
-Sample<T> negated(const Sample<T>& a) {
-  return {-a.value, -a.gradient, a.material};
-}
-
-/// min(a, b) − max(k − |a − b|, 0)²/(4k), its gradient, and the material of the smaller. Of equal operands the second
-/// counts, unless only the first has a gradient.
-template <class T>
-Sample<T> minimum(const Sample<T>& a, const Sample<T>& b, T k) {
-  const bool a_smaller = a.value < b.value;
-  const bool tie_to_a = a.value == b.value && b.gradient == Vector<T>(0);
-  Sample<T> result{a_smaller ? a.value : b.value, a_smaller || tie_to_a ? a.gradient : b.gradient,
-                   a_smaller ? a.material : b.material};
-  const T overlap = k - std::abs(a.value - b.value);
-  if (overlap > T(0)) {
-    result.value -= overlap / (T(4) * k) * overlap;
-    const T share = overlap / (T(2) * k);  // of the larger operand
-    result.gradient = a_smaller ? glm::mix(a.gradient, b.gradient, share) : glm::mix(b.gradient, a.gradient, share);
-  }
-  return result;
-}
-
-/// The rotation of a kRotate node, parent from child.
-template <class T>
-glm::mat<3, 3, T> rotation(const Node& node) {
-  glm::mat<3, 3, T> parent_from_child;
-  for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) {
-      parent_from_child[column][row] = T(node.parameter(static_cast<std::size_t>(3 * row + column)));
-    }
-  }
-  return parent_from_child;
-}
-
-/// Copies of a kRepeat's child that are looked at: the nearest cell and its neighbours on the side of p, per axis.
-std::size_t copies(const Node& repeat) {
-  std::size_t count = 1;
-  for (std::size_t axis = 0; axis < 3; ++axis) count *= repeat.parameter(axis) > 0.0 ? 2 : 1;
-  return count;
-}
-
-/// Centre of the copy number `copy`: of its bits, one per repeated axis, those that are set choose the neighbour. The
-/// nearest copy of a shape that fills more than half its cell on one side can be the neighbour's.
-template <class T>
-Vector<T> copy_centre(const Node& repeat, const Vector<T>& p, std::size_t copy) {
-  Vector<T> centre(0);
-  for (int axis = 0; axis < 3; ++axis) {
-    const RepeatAxis constants = repeat_axis(repeat, static_cast<std::size_t>(axis));
-    if (constants.period == 0.0) continue;
-    const T period = T(constants.period);
-    const T shift = T(constants.shift);
-    const T limit = T(constants.limit);
-    T cell = glm::clamp(std::floor(p[axis] / period + shift) + T(0.5) - shift, -limit, limit);
-    if ((copy & 1U) != 0) {
-      const T side = p[axis] - cell * period < T(0) ? T(-1) : T(1);
-      cell = glm::clamp(cell + side, -limit, limit);
-    }
-    centre[axis] = cell * period;
-    copy >>= 1U;
-  }
-  return centre;
-}
-
 std::size_t visit_count(const Node& node) {
-  return node.kind() == NodeKind::kRepeat ? copies(node) : node.children().size();
+  return node.kind() == NodeKind::kRepeat ? copies(node) : operand_shapes(node).size();
 }
 
-/// Where visit number `visit` of `node` evaluates its child.
+/// A solid's values say nothing of how far it is, so scales leave them.
 template <class T>
-Vector<T> child_point(const Node& node, const Vector<T>& p, std::size_t visit) {
+T scaled(T value, T factor) {
+  return std::abs(value) == kSolidDistance<T> ? value : value * factor;
+}
+
+/// The child of a kExtrude cut to its height, with the box's formula over (distance in the plane, excess along z).
+template <class T>
+void extrude(Sample<T>& sample, T half_height, T z) {
+  const Vector<T> sides(-std::numeric_limits<T>::infinity(), sample.value, std::abs(z) - half_height);
+  const Vector<T> weights = box_gradient(sides);
+  sample.value = box_distance(sides);
+  sample.gradient = along(weights.y, sample.gradient) + Vector<T>(T(0), T(0), weights.z * slope_of_abs(z));
+}
+
+template <class T>
+Sample<T> folded(const Node& node, const Sample<T>& so_far, const Sample<T>& next) {
+  const auto k = [&node] { return T(node.parameter(0)); };
   switch (node.kind()) {
-    case NodeKind::kTranslate: return p - vector_parameter<T>(node, 0);
-    case NodeKind::kRotate: return glm::transpose(rotation<T>(node)) * p;
-    case NodeKind::kScale: return p / T(node.parameter(0));
-    case NodeKind::kRepeat: return p - copy_centre(node, p, visit);
-    default: return p;
+    case NodeKind::kUnion: return minimum(so_far, next, k());
+    case NodeKind::kIntersection: return negated(minimum(negated(so_far), negated(next), k()));
+    case NodeKind::kDifference: return negated(minimum(negated(so_far), next, k()));
+    case NodeKind::kMetaballs: return exponential_minimum(so_far, next, k());
+    default: return minimum(so_far, next, T(0));  // copies of a kRepeat
   }
+}
+
+/// The sample of an operator over one shape from that of its child at its own point, all but paint and displacement.
+template <class T>
+Sample<T> from_child(const Node& node, const Vector<T>& p, Sample<T> sample) {
+  switch (node.kind()) {
+    case NodeKind::kComplement: return negated(sample);
+    case NodeKind::kRound: sample.value -= T(node.parameter(0)); break;
+    case NodeKind::kShell:
+      if (sample.value < T(0)) sample = negated(sample);
+      sample.value -= T(node.parameter(0));
+      break;
+    default:
+      sample.value = scaled(sample.value, scale_of<T>(node));
+      sample.gradient = parent_gradient(node, p, sample.gradient);
+  }
+  if (node.kind() == NodeKind::kExtrude) extrude(sample, T(node.parameter(0)), p.z);
+  if (node.kind() == NodeKind::kTwist || node.kind() == NodeKind::kBend) cut(sample, Turn<T>(node, p).wall());
+  return sample;
 }
 
 }  // namespace
@@ -121,6 +92,7 @@ template <class T>
 Evaluator<T>::Evaluator(NodePtr root, Poll poll)
     : root_(std::move(root)),
       poll_(std::move(poll)),
+      is_solid_(any_node(*root_, [](const Node& node) { return node.kind() == NodeKind::kSolid; })),
       table_(collect_materials(*root_)),
       shared_(shared_nodes(*root_)) {}
 
@@ -128,13 +100,21 @@ template <class T>
 T Evaluator<T>::distance(const Vector<T>& p) {
   // Comparisons drop a NaN operand, so it has to be looked for.
   if (std::isnan(p.x) || std::isnan(p.y) || std::isnan(p.z)) return std::numeric_limits<T>::quiet_NaN();
-  return walk(p, false).value;
+  return walk(p, Ask::kDistance).value;
 }
 
 template <class T>
 int Evaluator<T>::material(const Vector<T>& p) {
-  const int index = walk(p, false).material;
+  const int index = walk(p, Ask::kDistance).material;
   return index == kUnpainted ? table_.index_of_unpainted : index;
+}
+
+template <class T>
+Slots<T> Evaluator<T>::slots(const Vector<T>& p, const Vector<T>& normal) {
+  Frame whole{root_.get(), p, normal};
+  whole.sample = walk(p, Ask::kSlots, normal);
+  paint(whole, default_material().slots);
+  return whole.sample.painted;
 }
 
 template <class T>
@@ -147,17 +127,19 @@ std::size_t Evaluator<T>::PlaceHash::operator()(const Place& place) const {
 template <class T>
 typename Evaluator<T>::Place Evaluator<T>::place_of(const Frame& frame) {
   const auto bits = [](T x) { return std::bit_cast<std::uint64_t>(static_cast<double>(x)); };
-  return {frame.node, {bits(frame.p.x), bits(frame.p.y), bits(frame.p.z)}};
+  return {frame.node,
+          {bits(frame.p.x), bits(frame.p.y), bits(frame.p.z), bits(frame.normal.x), bits(frame.normal.y),
+           bits(frame.normal.z)}};
 }
 
 template <class T>
-Sample<T> Evaluator<T>::walk(const Vector<T>& p, bool with_gradient) {
+Sample<T> Evaluator<T>::walk(const Vector<T>& p, Ask ask, const Vector<T>& normal) {
   known_.clear();
-  stack_.assign(1, Frame{root_.get(), p});
+  stack_.assign(1, Frame{root_.get(), p, normal});
   while (true) {
-    if (poll_ && ++visits_ % kVisitsPerPoll == 0) poll_();
-    if (descend()) continue;
-    const Sample<T> sample = finish(stack_.back(), with_gradient);
+    count_work(1);
+    if (descend(ask)) continue;
+    const Sample<T> sample = finish(stack_.back(), ask);
     stack_.pop_back();
     if (stack_.empty()) return sample;
     absorb(stack_.back(), sample);
@@ -166,12 +148,13 @@ Sample<T> Evaluator<T>::walk(const Vector<T>& p, bool with_gradient) {
 
 /// Makes the next visit of the node on top of the stack; false when it has made them all.
 template <class T>
-bool Evaluator<T>::descend() {
+bool Evaluator<T>::descend(Ask ask) {
   Frame& parent = stack_.back();
   if (parent.visits == visit_count(*parent.node)) return false;
   const std::span<const NodePtr> children = parent.node->children();
   const NodePtr& child = parent.node->kind() == NodeKind::kRepeat ? children[0] : children[parent.visits];
-  const Frame frame{child.get(), child_point(*parent.node, parent.p, parent.visits)};
+  Frame frame{child.get(), child_point(*parent.node, parent.p, parent.visits)};
+  if (ask == Ask::kSlots) frame.normal = child_normal(*parent.node, parent.p, parent.normal);
   ++parent.visits;
   if (shared_.contains(frame.node)) {
     if (const auto known = known_.find(place_of(frame)); known != known_.end()) {
@@ -186,38 +169,62 @@ bool Evaluator<T>::descend() {
 /// Folds what the latest visit returned into `parent`, in the frame of parent's point.
 template <class T>
 void Evaluator<T>::absorb(Frame& parent, const Sample<T>& child) const {
-  const Node& node = *parent.node;
-  Sample<T>& sample = parent.sample;
-  const bool first = parent.visits == 1;
-  switch (node.kind()) {
-    case NodeKind::kUnion: sample = first ? child : minimum(sample, child, T(node.parameter(0))); break;
-    case NodeKind::kIntersection:
-      sample = first ? child : negated(minimum(negated(sample), negated(child), T(node.parameter(0))));
-      break;
-    case NodeKind::kDifference:
-      sample = first ? child : negated(minimum(negated(sample), child, T(node.parameter(0))));
-      break;
-    case NodeKind::kRepeat: sample = first ? child : minimum(sample, child, T(0)); break;
-    case NodeKind::kComplement: sample = negated(child); break;
-    case NodeKind::kRotate: sample = {child.value, rotation<T>(node) * child.gradient, child.material}; break;
-    case NodeKind::kScale: sample = {child.value * T(node.parameter(0)), child.gradient, child.material}; break;
-    case NodeKind::kPaint:
-      sample = child;
-      if (child.material == kUnpainted) sample.material = table_.index_of_paint.at(&node);
-      break;
-    default: sample = child;
-  }
+  const Sample<T> here = operand_shapes(*parent.node).size() == 1 ? from_child(*parent.node, parent.p, child) : child;
+  parent.sample = parent.visits == 1 ? here : folded(*parent.node, parent.sample, here);
 }
 
 /// The sample of a node that has made its visits, or of a primitive.
 template <class T>
-Sample<T> Evaluator<T>::finish(const Frame& frame, bool with_gradient) {
-  if (frame.node->children().empty()) {
-    const Vector<T> gradient = with_gradient ? primitive_gradient(*frame.node, frame.p) : Vector<T>(0);
-    return {primitive_distance(*frame.node, frame.p), gradient, kUnpainted};
+Sample<T> Evaluator<T>::finish(Frame& frame, Ask ask) {
+  const Node& node = *frame.node;
+  if (frame.visits == 0) frame.sample = primitive(frame, ask);
+  if (node.kind() == NodeKind::kDisplace) {
+    const Jet<T> displacement = ready(node.child(1)).at(frame.p);
+    frame.sample.value += displacement.value;
+    frame.sample.gradient += displacement.gradient;
+  }
+  if (node.kind() == NodeKind::kPaint) {
+    if (ask == Ask::kSlots) paint(frame, node.children().subspan(1));
+    if (frame.sample.material == kUnpainted) frame.sample.material = table_.index_of_paint.at(&node);
   }
   if (shared_.contains(frame.node)) known_.emplace(place_of(frame), frame.sample);
   return frame.sample;
+}
+
+template <class T>
+Sample<T> Evaluator<T>::primitive(const Frame& frame, Ask ask) {
+  const Node& node = *frame.node;
+  if (node.kind() == NodeKind::kField) return field_sample(node, ready(node.child(0)), frame.p);
+  if (node.kind() == NodeKind::kSolid) return solid_sample(ready(node.child(0)), frame.p);
+  const Vector<T> gradient = ask == Ask::kGradient ? primitive_gradient(node, frame.p) : Vector<T>(0);
+  return {primitive_distance(node, frame.p), gradient};
+}
+
+/// Gives what is unpainted in the frame's sample the slots at its point.
+template <class T>
+void Evaluator<T>::paint(Frame& frame, std::span<const NodePtr> slots) {
+  Sample<T>& sample = frame.sample;
+  if (sample.unpainted == T(0)) return;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    const T value = ready(*slots[i]).at(frame.p, frame.normal).value;
+    sample.painted[i] = sample.unpainted == T(1) ? value : sample.painted[i] + sample.unpainted * value;
+  }
+  sample.unpainted = T(0);
+}
+
+template <class T>
+Expression<T>& Evaluator<T>::ready(const Node& expression) {
+  Expression<T>& result = expressions_.try_emplace(&expression, expression).first->second;
+  count_work(result.size());
+  return result;
+}
+
+template <class T>
+void Evaluator<T>::count_work(std::size_t amount) {
+  work_done_ += amount;
+  if (work_done_ < kWorkPerPoll) return;
+  work_done_ = 0;
+  if (poll_) poll_();
 }
 
 template class Evaluator<float>;

@@ -1,5 +1,6 @@
-// The field of a node graph, one point at a time: value, gradient and material by walking the nodes themselves. The
-// node graph comes before it; the reference's marcher and shading come after. Slow, plain, and the truth for tests.
+// The field of a node graph, one point at a time: value, gradient and material by walking the nodes themselves. Samples,
+// primitives and operators over points come before it; the reference's marcher and shading come after. Slow, plain, and
+// the truth for tests.
 #pragma once
 
 #include <array>
@@ -9,20 +10,12 @@
 #include <vector>
 
 #include "octomarch/graph/node.hpp"
+#include "octomarch/reference/expression.hpp"
 #include "octomarch/reference/materials.hpp"
 #include "octomarch/reference/poll.hpp"
-#include "octomarch/reference/primitives.hpp"
+#include "octomarch/reference/sample.hpp"
 
 namespace octomarch::reference {
-
-/// What a node says about one point. The gradient is zero unless asked for; the material is that of the primitive
-/// that gave the value, as an index, or kUnpainted while no paint has been met.
-template <class T>
-struct Sample {
-  T value = T(0);
-  Vector<T> gradient = Vector<T>(0);
-  int material = 0;
-};
 
 /// Evaluates one graph at points in float or double. Constant stack whatever the depth of the graph. A sub-shape that is
 /// used several times is evaluated once per distinct point, so graphs that share much cost what they hold, not what they
@@ -36,23 +29,30 @@ class Evaluator {
   /// NaN at points that have a NaN.
   T distance(const Vector<T>& p);
   /// Analytic; on ties (equal operands, faces of boxes) that of a side which has a gradient.
-  Vector<T> gradient(const Vector<T>& p) { return walk(p, true).gradient; }
+  Vector<T> gradient(const Vector<T>& p) { return walk(p, Ask::kGradient).gradient; }
   /// Index into materials() of the primitive that gives the value at p.
   int material(const Vector<T>& p);
+  /// What the surface is made of at p, where its unit normal is `normal`: blended as materials() are not, never clamped.
+  Slots<T> slots(const Vector<T>& p, const Vector<T>& normal);
 
   const std::vector<Material>& materials() const { return table_.materials; }
+  /// Has some part no distances (kSolid)?
+  bool is_solid() const { return is_solid_; }
 
  private:
+  enum class Ask : std::uint8_t { kDistance, kGradient, kSlots };
+
   /// A node on the way down: where it is evaluated, how many visits it has made, and their fold so far.
   struct Frame {
     const Node* node;
     Vector<T> p;
+    Vector<T> normal = Vector<T>(0);  // for kSlots
     std::size_t visits = 0;
     Sample<T> sample = {};
   };
   struct Place {
     const Node* node;
-    std::array<std::uint64_t, 3> bits;
+    std::array<std::uint64_t, 6> bits;
     friend bool operator==(const Place&, const Place&) = default;
   };
   struct PlaceHash {
@@ -60,18 +60,24 @@ class Evaluator {
   };
 
   static Place place_of(const Frame& frame);
-  Sample<T> walk(const Vector<T>& p, bool with_gradient);
-  bool descend();
+  Sample<T> walk(const Vector<T>& p, Ask ask, const Vector<T>& normal = Vector<T>(0));
+  bool descend(Ask ask);
   void absorb(Frame& parent, const Sample<T>& child) const;
-  Sample<T> finish(const Frame& frame, bool with_gradient);
+  Sample<T> finish(Frame& frame, Ask ask);
+  Sample<T> primitive(const Frame& frame, Ask ask);
+  void paint(Frame& frame, std::span<const NodePtr> slots);
+  Expression<T>& ready(const Node& expression);
+  void count_work(std::size_t amount);
 
   NodePtr root_;
   Poll poll_;
+  bool is_solid_;
   MaterialTable table_;
-  std::unordered_set<const Node*> shared_;  // combinations and transforms that have several parents
+  std::unordered_set<const Node*> shared_;  // what has several parents and is worth remembering
   std::unordered_map<Place, Sample<T>, PlaceHash> known_;
+  std::unordered_map<const Node*, Expression<T>> expressions_;
   std::vector<Frame> stack_;
-  std::uint64_t visits_ = 0;
+  std::uint64_t work_done_ = 0;
 };
 
 extern template class Evaluator<float>;

@@ -32,6 +32,27 @@ Vector<T> central_differences(Evaluator<T>& field, const Vector<T>& p, T step) {
   return difference;
 }
 
+/// Minus the sum of unit vectors towards those corners, edges and faces of a cube around p that are inside.
+template <class T>
+Vector<T> away_from_inside(Evaluator<T>& field, const Vector<T>& p, T step) {
+  Vector<T> sum(0);
+  for (int x = -1; x <= 1; ++x) {
+    for (int y = -1; y <= 1; ++y) {
+      for (int z = -1; z <= 1; ++z) {
+        const Vector<T> direction = direction_of(Vector<T>(T(x), T(y), T(z)));
+        if (direction != Vector<T>(0) && field.distance(p + direction * step) < T(0)) sum -= direction;
+      }
+    }
+  }
+  return sum;
+}
+
+template <class T>
+Vector<T> slope_at(Evaluator<T>& field, const Vector<T>& p, const NormalRule<T>& rule) {
+  if (field.is_solid()) return away_from_inside(field, p, rule.step);
+  return rule.kind == Normals::kCentral ? central_differences(field, p, rule.step) : field.gradient(p);
+}
+
 /// The end of the secant step, where it has all but closed the gap; else t, for the ray only grazes an edge.
 template <class T>
 T finished(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, T t, T previous, T radius) {
@@ -69,10 +90,10 @@ Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T
 }
 
 template <class T>
-Surface<T> surface_at(Evaluator<T>& field, const Ray<T>& ray, const Arrival<T>& arrival, T step) {
+Surface<T> surface_at(Evaluator<T>& field, const Ray<T>& ray, const Arrival<T>& arrival, const NormalRule<T>& rule) {
   if (!has_surface(arrival.status)) return {};
   const Vector<T> position = ray.origin + ray.direction * arrival.t;
-  const Vector<T> gradient = step > T(0) ? central_differences(field, position, step) : field.gradient(position);
+  const Vector<T> gradient = slope_at(field, position, rule);
   const Vector<T> normal = is_finite(gradient) ? direction_of(gradient) : Vector<T>(0);
   return {position, normal == Vector<T>(0) ? -ray.direction : normal, field.material(position)};
 }
@@ -81,7 +102,9 @@ template struct MarchLimits<float>;
 template struct MarchLimits<double>;
 template Arrival<float> march_ray(Evaluator<float>&, const Ray<float>&, const MarchLimits<float>&);
 template Arrival<double> march_ray(Evaluator<double>&, const Ray<double>&, const MarchLimits<double>&);
-template Surface<float> surface_at(Evaluator<float>&, const Ray<float>&, const Arrival<float>&, float);
-template Surface<double> surface_at(Evaluator<double>&, const Ray<double>&, const Arrival<double>&, double);
+template Surface<float> surface_at(Evaluator<float>&, const Ray<float>&, const Arrival<float>&,
+                                   const NormalRule<float>&);
+template Surface<double> surface_at(Evaluator<double>&, const Ray<double>&, const Arrival<double>&,
+                                    const NormalRule<double>&);
 
 }  // namespace octomarch::reference

@@ -67,8 +67,17 @@ constexpr bool has_surface(Status status) { return status == Status::kHit || sta
 template <class T>
 Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits);
 
-/// How `normal` is found: analytically, or by central differences with half-step `step` where step > 0.
+/// How normals are found; see Shading. `step`: of differences. A field that has no slope, since some part of it is solid,
+/// has the normal that leads away from its inside among 26 points around, `step` away, whatever the kind.
 template <class T>
-Surface<T> surface_at(Evaluator<T>& field, const Ray<T>& ray, const Arrival<T>& arrival, T step);
+struct NormalRule {
+  Normals kind;
+  T step;
+
+  explicit NormalRule(const Shading& shading) : kind(shading.normals), step(T(shading.normal_step)) {}
+};
+
+template <class T>
+Surface<T> surface_at(Evaluator<T>& field, const Ray<T>& ray, const Arrival<T>& arrival, const NormalRule<T>& rule);
 
 }  // namespace octomarch::reference

@@ -12,24 +12,34 @@
 namespace octomarch::reference {
 namespace {
 
-/// Numbers materials by value, in order of first request.
+/// Numbers materials by content, in order of first request.
 class Numbering {
  public:
   explicit Numbering(std::vector<Material>& materials) : materials_(materials) {}
 
-  int index_of(const Material& m) {
-    const std::array key{m.color.x, m.color.y, m.color.z, m.roughness, m.specular, m.metallic};
-    const auto [entry, added] = indices_.emplace(key, static_cast<int>(materials_.size()));
-    if (added) materials_.push_back(m);
+  int index_of(const Material& material) {
+    const auto [entry, added] = indices_.emplace(material.slots, static_cast<int>(materials_.size()));
+    if (added) materials_.push_back(material);
     return entry->second;
   }
 
  private:
   std::vector<Material>& materials_;
-  std::map<std::array<double, 6>, int> indices_;
+  std::map<std::array<NodePtr, Material::kSlots>, int> indices_;
 };
 
 }  // namespace
+
+std::span<const NodePtr> operand_shapes(const Node& shape) {
+  const std::span<const NodePtr> children = shape.children();
+  switch (shape.kind()) {
+    case NodeKind::kField:
+    case NodeKind::kSolid: return {};
+    case NodeKind::kPaint:
+    case NodeKind::kDisplace: return children.first(1);
+    default: return children;
+  }
+}
 
 MaterialTable collect_materials(const Node& root) {
   using Visit = std::pair<const Node*, const Node*>;  // a node, and the innermost paint above it or null
@@ -41,17 +51,17 @@ MaterialTable collect_materials(const Node& root) {
     const auto [node, paint] = work.back();
     work.pop_back();
     if (!seen.emplace(node, paint).second) continue;
-    if (node->children().empty()) {
+    const std::span<const NodePtr> shapes = operand_shapes(*node);
+    if (shapes.empty()) {
       if (paint == nullptr) {
-        table.index_of_unpainted = numbering.index_of(Material{});
+        table.index_of_unpainted = numbering.index_of(default_material());
       } else {
         table.index_of_paint.emplace(paint, numbering.index_of(material_of(*paint)));
       }
       continue;
     }
     const Node* const innermost = node->kind() == NodeKind::kPaint ? node : paint;
-    const std::span<const NodePtr> children = node->children();
-    for (auto child = children.rbegin(); child != children.rend(); ++child) work.emplace_back(child->get(), innermost);
+    for (auto shape = shapes.rbegin(); shape != shapes.rend(); ++shape) work.emplace_back(shape->get(), innermost);
   }
   return table;
 }

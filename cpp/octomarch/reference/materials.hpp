@@ -2,6 +2,7 @@
 // the primitive it arrived at is made of.
 #pragma once
 
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -10,11 +11,14 @@
 
 namespace octomarch::reference {
 
+/// The children of a shape that are shapes; none of a primitive.
+std::span<const NodePtr> operand_shapes(const Node& shape);
+
 /// Distinct materials in order of first appearance over primitives, depth first, children from left to right.
 struct MaterialTable {
   std::vector<Material> materials;
   std::unordered_map<const Node*, int> index_of_paint;  ///< for each kPaint node that is the innermost of a primitive
-  int index_of_unpainted = -1;                          ///< of Material{}, where a primitive has no paint
+  int index_of_unpainted = -1;                          ///< of default_material(), where a primitive has no paint
 };
 
 /// O(nodes) for a graph in which no shared sub-shape is painted from outside in several ways.

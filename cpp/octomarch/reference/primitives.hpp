@@ -1,5 +1,6 @@
-// Closed forms of the primitives' distances and of their gradients, in scalar GLM. The evaluator calls them at the
-// leaves of the node graph. Written apart from the kernels' operators, so that the two can disagree.
+// Closed forms of the primitives' distances and of their gradients, in scalar GLM. Flat shapes and polyhedra come before
+// it; the evaluator calls them at the leaves of the node graph. Written apart from the kernels' operators, so that the two
+// can disagree.
 #pragma once
 
 #include <cmath>
@@ -7,21 +8,11 @@
 #include <limits>
 
 #include "octomarch/graph/node.hpp"
-#include "octomarch/reference/vector.hpp"
+#include "octomarch/reference/domain.hpp"
+#include "octomarch/reference/flat.hpp"
+#include "octomarch/reference/polyhedra.hpp"
 
 namespace octomarch::reference {
-
-/// Parameters first, first + 1 and first + 2 of a node.
-template <class T>
-Vector<T> vector_parameter(const Node& node, std::size_t first) {
-  return {T(node.parameter(first)), T(node.parameter(first + 1)), T(node.parameter(first + 2))};
-}
-
-/// +1 from zero upwards, else −1: the derivative of |x|, with the side at 0 that has one.
-template <class T>
-T slope_of_abs(T x) {
-  return x < T(0) ? T(-1) : T(1);
-}
 
 /// A point relative to a coordinate axis: how far from it, how far along it, and the unit vectors of both.
 template <class T>
@@ -43,21 +34,38 @@ struct AxialPoint {
   }
 };
 
-/// Exact distance to a box from q = |p| − half size.
 template <class T>
-T box_distance(const Vector<T>& q) {
-  return glm::length(glm::max(q, T(0))) + glm::min(glm::max(q.x, glm::max(q.y, q.z)), T(0));
+T largest(const Vector<T>& q) {
+  return glm::max(q.x, glm::max(q.y, q.z));
 }
 
-/// Gradient of box_distance with respect to q. Inside and on the faces it is that of the largest component, the last of
-/// equal ones: the axis of a cylinder comes after its radius, which has no direction on the axis.
+/// Gradient of `largest`: the last of equal components counts, since the axis of a cylinder comes after its radius, which
+/// has no direction on the axis.
 template <class T>
-Vector<T> box_gradient(const Vector<T>& q) {
-  const Vector<T> outside = glm::max(q, T(0));
-  if (outside != Vector<T>(0)) return direction_of(outside);
+Vector<T> largest_gradient(const Vector<T>& q) {
   if (q.z >= q.x && q.z >= q.y) return {T(0), T(0), T(1)};
   if (q.y >= q.x) return {T(0), T(1), T(0)};
   return {T(1), T(0), T(0)};
+}
+
+/// Exact distance to a box from q = |p| − half size.
+template <class T>
+T box_distance(const Vector<T>& q) {
+  return glm::length(glm::max(q, T(0))) + glm::min(largest(q), T(0));
+}
+
+/// Gradient of box_distance with respect to q. Inside and on the faces it is that of the largest component.
+template <class T>
+Vector<T> box_gradient(const Vector<T>& q) {
+  const Vector<T> outside = glm::max(q, T(0));
+  return outside == Vector<T>(0) ? largest_gradient(q) : direction_of(outside);
+}
+
+/// A rectangle is a box that is endless along z.
+template <class T>
+Vector<T> rectangle_sides(const Node& node, const Vector<T>& p) {
+  return {std::abs(p.x) - T(node.parameter(0)), std::abs(p.y) - T(node.parameter(1)),
+          -std::numeric_limits<T>::infinity()};
 }
 
 /// A capped cylinder is a rectangle in (radial, axial): a box that is endless along its first axis.
@@ -77,12 +85,28 @@ Vector<T> from_segment(const Node& node, const Vector<T>& p) {
   return p - (a + ab * fraction);
 }
 
+/// A kCappedCone, about y.
+template <class T>
+Jet<T> capped_cone(const Node& node, const Vector<T>& p) {
+  const AxialPoint<T> at(p, 1);
+  const FlatJet<T> profile =
+      cone_profile(Vector2<T>(at.radial, at.axial), T(node.parameter(0)), T(node.parameter(1)), T(node.parameter(2)));
+  return {profile.value, at.outward * profile.gradient.x + at.along * profile.gradient.y};
+}
+
 /// Signed distance from p to a primitive, scene units. Contract: `node` is a primitive.
 template <class T>
 T primitive_distance(const Node& node, const Vector<T>& p) {
   switch (node.kind()) {
     case NodeKind::kSphere: return glm::length(p) - T(node.parameter(0));
     case NodeKind::kBox: return box_distance(glm::abs(p) - vector_parameter<T>(node, 0));
+    case NodeKind::kBoxExterior: return glm::length(glm::max(glm::abs(p) - vector_parameter<T>(node, 0), T(0)));
+    case NodeKind::kBoxMaximum: return largest(glm::abs(p) - vector_parameter<T>(node, 0));
+    case NodeKind::kRectangle: return box_distance(rectangle_sides(node, p));
+    case NodeKind::kPolygon: return polygon(node, Vector2<T>(p.x, p.y)).value;
+    case NodeKind::kCappedCone: return capped_cone(node, p).value;
+    case NodeKind::kOctahedron: return octahedron(p, T(node.parameter(0))).value;
+    case NodeKind::kPyramid: return pyramid(p, T(node.parameter(0)), T(node.parameter(1))).value;
     case NodeKind::kPlane: return glm::dot(vector_parameter<T>(node, 0), p) + T(node.parameter(3));
     case NodeKind::kCylinder: return AxialPoint<T>(p, node.parameter(1)).radial - T(node.parameter(0));
     case NodeKind::kCappedCylinder: return box_distance(cylinder_sides(node, AxialPoint<T>(p, node.parameter(2))));
@@ -100,10 +124,17 @@ template <class T>
 Vector<T> primitive_gradient(const Node& node, const Vector<T>& p) {
   switch (node.kind()) {
     case NodeKind::kSphere: return direction_of(p);
-    case NodeKind::kBox: {
-      const Vector<T> slopes(slope_of_abs(p.x), slope_of_abs(p.y), slope_of_abs(p.z));
-      return slopes * box_gradient(glm::abs(p) - vector_parameter<T>(node, 0));
+    case NodeKind::kBox: return slopes_of_abs(p) * box_gradient(glm::abs(p) - vector_parameter<T>(node, 0));
+    case NodeKind::kBoxExterior: {
+      const Vector<T> q = glm::abs(p) - vector_parameter<T>(node, 0);
+      return largest(q) < T(0) ? Vector<T>(0) : slopes_of_abs(p) * box_gradient(q);
     }
+    case NodeKind::kBoxMaximum: return slopes_of_abs(p) * largest_gradient(glm::abs(p) - vector_parameter<T>(node, 0));
+    case NodeKind::kRectangle: return slopes_of_abs(p) * box_gradient(rectangle_sides(node, p));
+    case NodeKind::kPolygon: return Vector<T>(polygon(node, Vector2<T>(p.x, p.y)).gradient, T(0));
+    case NodeKind::kCappedCone: return capped_cone(node, p).gradient;
+    case NodeKind::kOctahedron: return octahedron(p, T(node.parameter(0))).gradient;
+    case NodeKind::kPyramid: return pyramid(p, T(node.parameter(0)), T(node.parameter(1))).gradient;
     case NodeKind::kPlane: return vector_parameter<T>(node, 0);
     case NodeKind::kCylinder: return AxialPoint<T>(p, node.parameter(1)).outward;
     case NodeKind::kCappedCylinder: {

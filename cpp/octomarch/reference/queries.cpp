@@ -31,7 +31,8 @@ void gradient(const NodePtr& root, std::span<const double> points, std::span<T> 
 
 template <class T>
 void raycast(const NodePtr& root, std::span<const double> origins, std::span<const double> directions,
-             const March& march, double t_max, double lipschitz, const Hits<T>& hits, const Poll& poll) {
+             const March& march, const Shading& shading, double t_max, double lipschitz, const Hits<T>& hits,
+             const Poll& poll) {
   Evaluator<T> field(root, poll);
   for (std::size_t i = 0; i < hits.t.size(); ++i) {
     const Vec3 direction = triple(directions, i);
@@ -42,7 +43,7 @@ void raycast(const NodePtr& root, std::span<const double> origins, std::span<con
     MarchLimits<T> limits(march, lipschitz);
     limits.t_max = T(std::min(march.max_distance, t_max * norm));
     const Arrival<T> arrival = march_ray(field, ray, limits);
-    const Surface<T> surface = surface_at(field, ray, arrival, T(0));
+    const Surface<T> surface = surface_at(field, ray, arrival, NormalRule<T>(shading));
     hits.t[i] = valid ? T(static_cast<double>(arrival.t) / norm) : arrival.t;
     store(hits.position, i, surface.position);
     store(hits.normal, i, surface.normal);
@@ -56,9 +57,9 @@ template void distance(const NodePtr&, std::span<const double>, std::span<float>
 template void distance(const NodePtr&, std::span<const double>, std::span<double>, const Poll&);
 template void gradient(const NodePtr&, std::span<const double>, std::span<float>, const Poll&);
 template void gradient(const NodePtr&, std::span<const double>, std::span<double>, const Poll&);
-template void raycast(const NodePtr&, std::span<const double>, std::span<const double>, const March&, double, double,
-                      const Hits<float>&, const Poll&);
-template void raycast(const NodePtr&, std::span<const double>, std::span<const double>, const March&, double, double,
-                      const Hits<double>&, const Poll&);
+template void raycast(const NodePtr&, std::span<const double>, std::span<const double>, const March&, const Shading&,
+                      double, double, const Hits<float>&, const Poll&);
+template void raycast(const NodePtr&, std::span<const double>, std::span<const double>, const March&, const Shading&,
+                      double, double, const Hits<double>&, const Poll&);
 
 }  // namespace octomarch::reference

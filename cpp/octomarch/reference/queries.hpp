@@ -32,9 +32,10 @@ struct Hits {
 };
 
 /// Rays from `origins` along `directions` (n × 3 each), to the smaller of march.max_distance and `t_max`, which counts
-/// in lengths of the directions.
+/// in lengths of the directions. `shading` says how normals are found.
 template <class T>
 void raycast(const NodePtr& root, std::span<const double> origins, std::span<const double> directions,
-             const March& march, double t_max, double lipschitz, const Hits<T>& hits, const Poll& poll);
+             const March& march, const Shading& shading, double t_max, double lipschitz, const Hits<T>& hits,
+             const Poll& poll);
 
 }  // namespace octomarch::reference

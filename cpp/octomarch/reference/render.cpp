@@ -67,16 +67,16 @@ class Pixels {
         lens_(lens),
         limits_(limits),
         shader_(field, scene, shading, limits),
-        normal_step_(shading.normals == Normals::kCentral ? T(shading.normal_step) : T(0)),
+        normals_(shading),
         samples_(sample_points(samples)) {}
 
   /// The mean over the samples of a pixel.
-  Vector<T> color(std::uint32_t column, std::uint32_t row) const {
+  Vector<T> color(std::uint32_t column, std::uint32_t row) {
     Vector<double> sum(0);
     for (const PixelPoint& point : samples_) {
       const Ray<T> ray = lens_.ray<T>(column + point.x, row + point.y);
       const Arrival<T> arrival = march_ray(field_, ray, limits_);
-      sum += Vector<double>(shader_.radiance(ray, arrival, surface_at(field_, ray, arrival, normal_step_)));
+      sum += Vector<double>(shader_.radiance(ray, arrival, surface_at(field_, ray, arrival, normals_)));
     }
     return Vector<T>(sum / static_cast<double>(samples_.size()));
   }
@@ -86,7 +86,7 @@ class Pixels {
     const Ray<T> ray = lens_.ray<T>(column + 0.5, row + 0.5);
     const Arrival<T> arrival = march_ray(field_, ray, limits_);
     const bool needs_surface = !(planes.position.empty() && planes.normal.empty() && planes.material_id.empty());
-    const Surface<T> surface = needs_surface ? surface_at(field_, ray, arrival, normal_step_) : Surface<T>{};
+    const Surface<T> surface = needs_surface ? surface_at(field_, ray, arrival, normals_) : Surface<T>{};
     store(planes.depth, i, arrival.t);
     store(planes.position, i, surface.position);
     store(planes.normal, i, surface.normal);
@@ -99,8 +99,8 @@ class Pixels {
   Evaluator<T>& field_;
   const Lens& lens_;
   const MarchLimits<T>& limits_;
-  const Shader<T> shader_;
-  const T normal_step_;
+  Shader<T> shader_;
+  const NormalRule<T> normals_;
   const std::vector<PixelPoint> samples_;
 };
 
@@ -119,7 +119,7 @@ void render(const NodePtr& root, const Scene& scene, const Camera& camera, const
   Evaluator<T> field(root, poll);
   const Lens lens(camera, extent.width, extent.height);
   const MarchLimits<T> limits(march, lipschitz);
-  const Pixels<T> pixels(field, scene, lens, limits, shading, extent.samples);
+  Pixels<T> pixels(field, scene, lens, limits, shading, extent.samples);
   const Crop& crop = extent.crop;
   std::size_t i = 0;
   for (std::uint32_t row = crop.y; row < crop.y + crop.height; ++row) {

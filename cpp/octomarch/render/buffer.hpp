@@ -1,13 +1,13 @@
-// Aligned arrays for kernels, and views of programs over them: the scratch memory that each worker keeps.
+// Aligned arrays for kernels: the scratch memory that each worker keeps. loaded_tape.hpp makes programs run in them.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <new>
 
 #include "octomarch/kernels/api.hpp"
-#include "octomarch/program/program.hpp"
 
 namespace octomarch {
 
@@ -48,29 +48,6 @@ struct VectorBuffer {
   Buffer<T> y;
   Buffer<T> z;
 };
-
-template <class Real>
-kernels::TapeView<Real> view(const Tape& tape) {
-  const Real* constants = nullptr;
-  if constexpr (sizeof(Real) == sizeof(float)) {
-    constants = tape.constants_f32.data();
-  } else {
-    constants = tape.constants.data();
-  }
-  return {tape.code.data(), tape.code.size(), constants, tape.registers, tape.result};
-}
-
-/// Register file of a tape; `components`: 1 for values, 4 for gradients.
-template <class Real>
-Buffer<Real> register_file(const Tape& tape, std::size_t components) {
-  return Buffer<Real>(std::size_t{tape.registers} * kernels::kLanes * components);
-}
-
-/// Memory for marches of a tape; it serves as a register file for values too.
-template <class Real>
-Buffer<Real> march_memory(const Tape& tape) {
-  return Buffer<Real>((2 * std::size_t{tape.registers} + kernels::kMarchRows) * kernels::kLanes);
-}
 
 /// A double as Real, no farther out than the largest finite number.
 template <class Real>

@@ -59,10 +59,10 @@ Scratch& scratch_of(std::vector<std::optional<Scratch>>& all, std::size_t worker
 
 template <class Real>
 struct PointScratch {
-  PointScratch(const Program& program, std::size_t components, std::size_t size)
-      : registers(register_file<Real>(program.distance(), components)), points(size), out(size) {}
+  PointScratch(const Program& program, TapeUse use, std::size_t size)
+      : field(program.distance(), use), points(size), out(size) {}
 
-  Buffer<Real> registers;
+  LoadedTape<Real> field;
   VectorBuffer<Real> points;
   VectorBuffer<Real> out;
 };
@@ -102,11 +102,6 @@ void set_rays(RayScratch<Real>& s, const double* origins, const double* directio
   }
 }
 
-template <class Real>
-kernels::Column<Real> column(const Buffer<Real>& values) {
-  return {values.data(), 0};
-}
-
 /// Writes the surface quantities of one chunk over the values that rays without a surface have.
 template <class Real>
 void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t first, std::size_t count,
@@ -116,7 +111,7 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
   if (out.object_id) std::fill_n(out.object_id + first, count, -1);
   if (out.material_id) std::fill_n(out.material_id + first, count, -1);
   SurfacePass<Real>& surface = s.surface;
-  surface.gather(s.batch, columns, column(s.epsilon), count);
+  surface.gather(s.batch, columns, count);
   if (out.normal) surface.find_normals(Shading{}, cancelled);
   if (out.object_id || out.material_id) surface.find_objects(cancelled);
   for (std::size_t i = 0; i < surface.count(); ++i) {
@@ -143,10 +138,10 @@ void query_distance(const Program& program, const double* points, std::size_t co
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(program, count, 1, how,
                  [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-                   auto& s = scratch_of(scratch, worker, program, std::size_t{1}, chunk_size(program));
+                   auto& s = scratch_of(scratch, worker, program, TapeUse::kValues, chunk_size(program));
                    split(points + 3 * first, n, s.points);
-                   how.isa->table<Real>().distance(view<Real>(program.distance()), s.registers.data(), s.points.read(),
-                                                   n, &cancelled, s.out.x.data());
+                   how.isa->table<Real>().distance(s.field.view(), s.field.memory(), s.points.read(), n, &cancelled,
+                                                   s.out.x.data());
                    std::copy_n(s.out.x.data(), n, out + first);
                  });
 }
@@ -156,10 +151,9 @@ void query_gradient(const Program& program, const double* points, std::size_t co
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s = scratch_of(scratch, worker, program, std::size_t{4}, chunk_size(program));
+        auto& s = scratch_of(scratch, worker, program, TapeUse::kGradients, chunk_size(program));
         split(points + 3 * first, n, s.points);
-        how.isa->table<Real>().gradient(view<Real>(program.distance()), s.registers.data(), s.points.read(), n,
-                                        &cancelled, s.out.view());
+        how.isa->table<Real>().gradient(s.field.view(), s.field.memory(), s.points.read(), n, &cancelled, s.out.view());
         for (std::size_t i = 0; i < n; ++i) {
           const bool is_nan = std::isnan(s.points.x[i]) || std::isnan(s.points.y[i]) || std::isnan(s.points.z[i]);
           const Real nan = std::numeric_limits<Real>::quiet_NaN();
@@ -180,21 +174,14 @@ void query_rays(const Program& program, const double* origins, const double* dir
       [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
         auto& s = scratch_of(scratch, worker, program, kernels, chunk_size(program));
         set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
-        const RayColumns<Real> columns{column(s.batch.origin.x),
-                                       column(s.batch.origin.y),
-                                       column(s.batch.origin.z),
-                                       column(s.batch.direction.x),
-                                       column(s.batch.direction.y),
-                                       column(s.batch.direction.z),
-                                       kUlpFloor<Real>};
-        const kernels::RayView<Real> rays{columns.ox, columns.oy,      columns.oz,        columns.dx, columns.dy,
-                                          columns.dz, column(s.t_max), column(s.epsilon), n};
-        const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / program.lipschitz()), kUlpFloor<Real>,
-                                                        march.max_steps, march.secant_finish, &cancelled};
+        const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
+        const kernels::RayView<Real> rays = columns.view({s.t_max.data(), 0}, n);
+        const kernels::MarchParameters<Real> parameters =
+            march_parameters(program, march, columns.epsilon_slope, march.secant_finish, cancelled);
         const kernels::MarchOutput<Real> found{s.batch.t.data(), s.batch.unfinished.data(), s.batch.status.data(),
                                                out.steps ? out.steps + first : nullptr};
         kernels::Counters counters;
-        kernels.march(view<Real>(program.distance()), s.surface.registers(), rays, parameters, found, counters);
+        kernels.march(s.surface.field().view(), s.surface.field().memory(), rays, parameters, found, counters);
         for (std::size_t i = 0; i < n; ++i) {
           out.t[first + i] = static_cast<Real>(static_cast<double>(s.batch.t[i]) / s.length[i]);
         }

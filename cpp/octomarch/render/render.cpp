@@ -10,22 +10,21 @@ namespace octomarch {
 
 namespace {
 
-void add(kernels::Counters& sum, const kernels::Counters& part) {
-  sum.evaluations += part.evaluations;
-  sum.lane_slots += part.lane_slots;
-  sum.packets += part.packets;
-}
-
-void add(RenderStats& sum, const RenderStats& part) {
+void add_all(RenderStats& sum, const RenderStats& part) {
   sum.rays += part.rays;
   add(sum.primary, part.primary);
   add(sum.shadow, part.shadow);
+  add(sum.reflection, part.reflection);
   sum.shadow_rays += part.shadow_rays;
+  sum.reflection_rays += part.reflection_rays;
   sum.gradient_evaluations += part.gradient_evaluations;
   sum.occlusion_evaluations += part.occlusion_evaluations;
   sum.attribute_evaluations += part.attribute_evaluations;
+  sum.surface_evaluations += part.surface_evaluations;
+  sum.sky_evaluations += part.sky_evaluations;
   sum.seconds_march += part.seconds_march;
   sum.seconds_shade += part.seconds_shade;
+  sum.seconds_reflect += part.seconds_reflect;
 }
 
 }  // namespace
@@ -34,19 +33,20 @@ template <class Real>
 RenderStats render(const Picture& picture, const Planes<Real>& planes, const kernels::Isa& isa, unsigned threads,
                    const Listener& listener) {
   const TileGrid grid(picture);
+  const Expressions sky = planes.color ? compile_expressions(picture.scene->sky.color) : Expressions{};
   const unsigned workers = thread_count(threads);
   std::vector<std::unique_ptr<TileRenderer<Real>>> renderers(std::min<std::size_t>(workers, grid.count()));
   parallel_for(
       grid.count(), workers,
       [&](std::size_t tile, std::size_t worker, const bool& cancelled) {
         auto& renderer = renderers[worker];
-        if (!renderer) renderer = std::make_unique<TileRenderer<Real>>(picture, planes, isa.table<Real>(), grid);
+        if (!renderer) renderer = std::make_unique<TileRenderer<Real>>(picture, sky, planes, isa.table<Real>(), grid);
         renderer->render(tile, cancelled);
       },
       listener);
   RenderStats stats;
   for (const auto& renderer : renderers) {
-    if (renderer) add(stats, renderer->stats());
+    if (renderer) add_all(stats, renderer->stats());
   }
   return stats;
 }

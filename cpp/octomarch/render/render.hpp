@@ -38,17 +38,28 @@ struct Picture {
   int samples;  ///< of each pixel's colour, ≥ 1; other planes are of its centre
 };
 
+inline void add(kernels::Counters& sum, const kernels::Counters& part) {
+  sum.evaluations += part.evaluations;
+  sum.lane_slots += part.lane_slots;
+  sum.packets += part.packets;
+}
+
 /// Exact counts of the work, and seconds summed over the workers.
 struct RenderStats {
   std::uint64_t rays = 0;  ///< primary ones
   kernels::Counters primary;
   kernels::Counters shadow;
+  kernels::Counters reflection;
   std::uint64_t shadow_rays = 0;
+  std::uint64_t reflection_rays = 0;
   std::uint64_t gradient_evaluations = 0;
   std::uint64_t occlusion_evaluations = 0;
-  std::uint64_t attribute_evaluations = 0;
+  std::uint64_t attribute_evaluations = 0;  ///< of object ids
+  std::uint64_t surface_evaluations = 0;    ///< of materials that differ from point to point
+  std::uint64_t sky_evaluations = 0;        ///< of a sky that differs from direction to direction
   double seconds_march = 0.0;
-  double seconds_shade = 0.0;
+  double seconds_shade = 0.0;    ///< of what camera rays found
+  double seconds_reflect = 0.0;  ///< marching and shading of mirror rays
 };
 
 /// Contract: width, height ≥ 1; the crop lies within them and is not empty; planes are as large as it. Throws what the listener throws.

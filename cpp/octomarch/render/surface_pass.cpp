@@ -2,6 +2,30 @@
 
 namespace octomarch {
 
+namespace {
+
+/// Where differences sample: pairs along the axes, or the corners of a tetrahedron (I. Quilez, "Normals for an SDF").
+template <class Real>
+std::vector<Real> stencil(Normals normals) {
+  if (normals == Normals::kTetrahedron) return {1, -1, -1, -1, -1, 1, -1, 1, -1, 1, 1, 1};
+  return {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1};
+}
+
+/// Unit directions to the 26 neighbours of a point in a lattice, x in the outermost loop.
+template <class Real>
+std::vector<Real> neighbours() {
+  std::vector<Real> offsets;
+  for (int i = 0; i < 27; ++i) {
+    const Vec3 offset{i / 9 - 1.0, i / 3 % 3 - 1.0, i % 3 - 1.0};
+    if (offset == Vec3{}) continue;
+    const Vec3 unit = normalized(offset);
+    for (const double component : {unit.x, unit.y, unit.z}) offsets.push_back(static_cast<Real>(component));
+  }
+  return offsets;
+}
+
+}  // namespace
+
 template <class Real>
 SurfacePass<Real>::SurfacePass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size)
     : position(size),
@@ -13,14 +37,13 @@ SurfacePass<Real>::SurfacePass(const Program& program, const kernels::KernelTabl
       program_(program),
       kernels_(kernels),
       object_(size),
-      registers_(march_memory<Real>(program.distance())) {
+      field_(program.distance(), TapeUse::kMarches) {
   ray_.reserve(size);
   status_.reserve(size);
 }
 
 template <class Real>
-void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays,
-                               const kernels::Column<Real>& absolute_epsilon, std::size_t count) {
+void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count) {
   ray_.clear();
   status_.clear();
   for (std::size_t i = 0; i < count; ++i) {
@@ -36,21 +59,22 @@ void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Rea
     position.x[k] = RayColumns<Real>::at(rays.ox, i) + t * direction.x[k];
     position.y[k] = RayColumns<Real>::at(rays.oy, i) + t * direction.y[k];
     position.z[k] = RayColumns<Real>::at(rays.oz, i) + t * direction.z[k];
-    epsilon[k] = std::max(RayColumns<Real>::at(absolute_epsilon, i), rays.epsilon_slope * t);
+    epsilon[k] = std::max(RayColumns<Real>::at(rays.epsilon, i), rays.epsilon_slope * t);
   }
 }
 
 template <class Real>
 std::uint64_t SurfacePass<Real>::find_normals(const Shading& shading, const bool& cancelled) {
-  const kernels::TapeView<Real> tape = octomarch::view<Real>(program_.distance());
   std::uint64_t evaluations = count();
-  if (shading.normals == Normals::kExact) {
-    if (gradient_registers_.size() == 0) gradient_registers_ = register_file<Real>(program_.distance(), 4);
-    kernels_.gradient(tape, gradient_registers_.data(), position.read(), count(), &cancelled, normal.view());
+  if (shading.normals == Normals::kExact && !program_.is_solid()) {
+    if (!gradient_) gradient_.emplace(program_.distance(), TapeUse::kGradients);
+    kernels_.gradient(gradient_->view(), gradient_->memory(), position.read(), count(), &cancelled, normal.view());
   } else {
-    evaluations *= 6;
-    kernels_.central_difference(tape, registers(), position.read(), count(), clamped<Real>(shading.normal_step),
-                                &cancelled, normal.view());
+    if (offsets_.empty()) offsets_ = program_.is_solid() ? neighbours<Real>() : stencil<Real>(shading.normals);
+    const kernels::StencilView<Real> around{offsets_.data(), offsets_.size() / 3, clamped<Real>(shading.normal_step),
+                                            program_.is_solid()};
+    kernels_.sample_around(field_.view(), field_.memory(), position.read(), count(), around, &cancelled, normal.view());
+    evaluations *= around.count;
   }
   kernels_.normalize(view());
   return evaluations;
@@ -58,10 +82,8 @@ std::uint64_t SurfacePass<Real>::find_normals(const Shading& shading, const bool
 
 template <class Real>
 std::uint64_t SurfacePass<Real>::find_objects(const bool& cancelled) {
-  const Tape& tape = program_.attributes().tape;
-  if (attribute_registers_.size() == 0) attribute_registers_ = register_file<Real>(tape, 1);
-  kernels_.distance(octomarch::view<Real>(tape), attribute_registers_.data(), position.read(), count(), &cancelled,
-                    object_.data());
+  if (!attributes_) attributes_.emplace(program_.attributes().tape, TapeUse::kValues);
+  kernels_.distance(attributes_->view(), attributes_->memory(), position.read(), count(), &cancelled, object_.data());
   return count();
 }
 

@@ -2,39 +2,15 @@
 // by ray queries (query.hpp); shading comes after it.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "octomarch/graph/scene.hpp"
 #include "octomarch/kernels/dispatch.hpp"
-#include "octomarch/render/buffer.hpp"
+#include "octomarch/render/loaded_tape.hpp"
+#include "octomarch/render/rays.hpp"
 
 namespace octomarch {
-
-/// Rays and what the march made of them, `size` at the most; one of these per worker.
-template <class Real>
-struct RayBatch {
-  explicit RayBatch(std::size_t size)
-      : origin(size), direction(size), t(size), unfinished(size), status(size), steps(size) {}
-
-  VectorBuffer<Real> origin;     ///< not used where all rays share one
-  VectorBuffer<Real> direction;  ///< likewise
-  Buffer<Real> t;
-  Buffer<Real> unfinished;
-  Buffer<std::uint8_t> status;
-  Buffer<std::int32_t> steps;
-};
-
-/// Origin and direction columns of a batch, and the hit epsilon's two parts.
-template <class Real>
-struct RayColumns {
-  kernels::Column<Real> ox, oy, oz;
-  kernels::Column<Real> dx, dy, dz;
-  Real epsilon_slope;
-
-  static Real at(const kernels::Column<Real>& column, std::size_t i) {
-    return column.values == nullptr ? column.value : column.values[i];
-  }
-};
 
 /// Surface points of a batch, gathered so that no lane is spent on rays that found nothing.
 template <class Real>
@@ -42,9 +18,8 @@ class SurfacePass {
  public:
   SurfacePass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size);
 
-  /// Collects the rays whose status is kHit or kStepLimit. `epsilon`: absolute hit epsilon of each ray.
-  void gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, const kernels::Column<Real>& epsilon,
-              std::size_t count);
+  /// Collects the rays whose status is kHit or kStepLimit.
+  void gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count);
   /// Unit normals; returns evaluations made.
   std::uint64_t find_normals(const Shading& shading, const bool& cancelled);
   /// Object ids, from the attribute program; returns evaluations made.
@@ -56,8 +31,14 @@ class SurfacePass {
   /// Did the march find surface point i, or only a candidate?
   Status status(std::size_t i) const { return status_[i]; }
   std::int32_t object(std::size_t i) const { return static_cast<std::int32_t>(object_[i]); }
+  /// Is surface point i a candidate whose surface faces away? Then the ray sees none. Normals must be known.
+  bool is_nothing(std::size_t i) const {
+    const Real away = normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i];
+    return status_[i] == Status::kStepLimit && away >= Real(0);
+  }
   kernels::SurfaceView<Real> view();
-  Real* registers() { return registers_.data(); }
+  /// The distance program, with memory for marches.
+  LoadedTape<Real>& field() { return field_; }
 
   VectorBuffer<Real> position, direction, normal, facing, origin;
   Buffer<Real> epsilon;
@@ -68,9 +49,10 @@ class SurfacePass {
   std::vector<std::size_t> ray_;
   std::vector<Status> status_;
   Buffer<Real> object_;
-  Buffer<Real> registers_;
-  Buffer<Real> gradient_registers_;
-  Buffer<Real> attribute_registers_;
+  LoadedTape<Real> field_;
+  std::optional<LoadedTape<Real>> gradient_;
+  std::vector<Real> offsets_;  ///< of samples around a point, where normals are no gradients
+  std::optional<LoadedTape<Real>> attributes_;
 };
 
 }  // namespace octomarch

@@ -79,7 +79,7 @@ kernels::TileView TileGrid::tile(std::size_t index) const {
 }
 
 template <class Real>
-TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& planes,
+TileRenderer<Real>::TileRenderer(const Picture& picture, const Expressions& sky, const Planes<Real>& planes,
                                  const kernels::KernelTable<Real>& kernels, const TileGrid& grid)
     : picture_(picture),
       wanted_(planes),
@@ -89,9 +89,9 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& pla
       grid_(grid),
       frame_(frame(picture.camera, picture.width, picture.height)),
       batch_(kernels::padded_lanes(grid.rays())),
-      registers_(march_memory<Real>(picture.program->distance())) {
+      field_(picture.program->distance(), TapeUse::kMarches) {
   if (needs_surface()) surface_.emplace(*picture.program, kernels, batch_.t.size());
-  if (planes.color) illumination_.emplace(picture, kernels, batch_.t.size());
+  if (planes.color) radiance_.emplace(picture, sky, kernels, batch_.t.size());
   if (planes.color && samples_.size() > 1) sum_ = Buffer<double>(3 * batch_.t.size());
 
   const auto column = [](const Real* values, double value) {
@@ -115,7 +115,8 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Planes<Real>& pla
   const double farthest = std::max({reach(&Vec3::x), reach(&Vec3::y), reach(&Vec3::z)});
   const double floor = static_cast<double>(kUlpFloor<Real>);
   const double tolerance = picture.march.pixel_tolerance;
-  epsilon_.value = clamped<Real>(std::max({picture.march.epsilon, floor * farthest, tolerance * frame_.pixel_radius}));
+  columns_.epsilon.value =
+      clamped<Real>(std::max({picture.march.epsilon, floor * farthest, tolerance * frame_.pixel_radius}));
   columns_.epsilon_slope = clamped<Real>(std::max(floor, tolerance * frame_.pixel_slope));
 }
 
@@ -152,18 +153,20 @@ void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& p
   write_rays(tile);
   if (needs_surface()) {
     clear(tile);
-    surface_->gather(batch_, columns_, epsilon_, rays_);
+    surface_->gather(batch_, columns_, rays_);
     if (planes_.color || planes_.normal)
       stats_.gradient_evaluations += surface_->find_normals(picture_.shading, cancelled);
-    const bool several = planes_.color && picture_.program->attributes().materials.size() > 1;
-    if (planes_.object_id || planes_.material_id || several) {
-      stats_.attribute_evaluations += surface_->find_objects(cancelled);
-    }
-    if (planes_.color) illumination_->run(*surface_, cancelled, stats_);
+    if (planes_.object_id || planes_.material_id) stats_.attribute_evaluations += surface_->find_objects(cancelled);
     write_surfaces(tile);
   }
-  if (planes_.color) write_sky(tile);
+  if (planes_.color) radiance_->light(batch_, columns_, rays_, *surface_, cancelled, stats_);
   stats_.seconds_shade += seconds_since(shading_start);
+  if (!planes_.color || is_set(cancelled)) return;
+
+  const auto mirror_start = std::chrono::steady_clock::now();
+  radiance_->follow_mirrors(*surface_, cancelled, stats_);
+  stats_.seconds_reflect += seconds_since(mirror_start);
+  write_color(tile);
 }
 
 /// Rays through one point of each pixel of a tile.
@@ -181,24 +184,14 @@ void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& p
 
 template <class Real>
 void TileRenderer<Real>::march(const bool& cancelled) {
-  const kernels::RayView<Real> rays{columns_.ox,
-                                    columns_.oy,
-                                    columns_.oz,
-                                    columns_.dx,
-                                    columns_.dy,
-                                    columns_.dz,
-                                    {nullptr, clamped<Real>(picture_.march.max_distance)},
-                                    epsilon_,
-                                    rays_};
-  const kernels::MarchParameters<Real> parameters{static_cast<Real>(1.0 / picture_.program->lipschitz()),
-                                                  columns_.epsilon_slope, picture_.march.max_steps,
-                                                  picture_.march.secant_finish, &cancelled};
+  const kernels::RayView<Real> rays = columns_.view({nullptr, clamped<Real>(picture_.march.max_distance)}, rays_);
+  const kernels::MarchParameters<Real> parameters = march_parameters(
+      *picture_.program, picture_.march, columns_.epsilon_slope, picture_.march.secant_finish, cancelled);
   const bool needs_status = planes_.status || needs_surface();
   const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.unfinished.data(),
                                        needs_status ? batch_.status.data() : nullptr,
                                        planes_.steps ? batch_.steps.data() : nullptr};
-  kernels_.march(octomarch::view<Real>(picture_.program->distance()), registers_.data(), rays, parameters, out,
-                 stats_.primary);
+  kernels_.march(field_.view(), field_.memory(), rays, parameters, out, stats_.primary);
 }
 
 template <class Real>
@@ -208,12 +201,11 @@ void TileRenderer<Real>::write_rays(const kernels::TileView& tile) {
   if (planes_.steps) write_plane(tile, planes_.steps, batch_.steps.data());
 }
 
-/// Values of pixels where no surface is; surfaces and sky overwrite them.
+/// Values of pixels where no surface is; surfaces overwrite them.
 template <class Real>
 void TileRenderer<Real>::clear(const kernels::TileView& tile) {
   const Planes<Real>& p = planes_;
   for_each_run(tile, [&](std::size_t pixel, std::size_t, std::size_t count) {
-    if (p.color) std::fill_n(p.color + 3 * pixel, 3 * count, Real(0));
     if (p.position) std::fill_n(p.position + 3 * pixel, 3 * count, Real(0));
     if (p.normal) std::fill_n(p.normal + 3 * pixel, 3 * count, Real(0));
     if (p.object_id) std::fill_n(p.object_id + pixel, count, -1);
@@ -233,24 +225,16 @@ void TileRenderer<Real>::write_surfaces(const kernels::TileView& tile) {
     if (p.material_id) {
       p.material_id[pixel] = picture_.program->attributes().objects[static_cast<std::size_t>(s.object(i))].material;
     }
-    if (p.color) {
-      const Vec3 color = illumination_->color(s, i);
-      store(p.color, pixel, static_cast<Real>(color.x), static_cast<Real>(color.y), static_cast<Real>(color.z));
-    }
   }
 }
 
 template <class Real>
-void TileRenderer<Real>::write_sky(const kernels::TileView& tile) {
-  for_each_run(tile, [&](std::size_t first_pixel, std::size_t first_ray, std::size_t count) {
+void TileRenderer<Real>::write_color(const kernels::TileView& tile) {
+  VectorBuffer<Real>& color = radiance_->color;
+  kernels_.clamp_colors(color.view(), rays_);  // sums beyond all numbers
+  for_each_run(tile, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t ray = first_ray + i;
-      if (static_cast<Status>(batch_.status[ray]) != Status::kMiss) continue;
-      const Vec3 color =
-          sky_color<Real>(picture_.scene->sky, RayColumns<Real>::at(columns_.dx, ray),
-                          RayColumns<Real>::at(columns_.dy, ray), RayColumns<Real>::at(columns_.dz, ray));
-      store(planes_.color, first_pixel + i, static_cast<Real>(color.x), static_cast<Real>(color.y),
-            static_cast<Real>(color.z));
+      store(planes_.color, pixel + i, color.x[ray + i], color.y[ray + i], color.z[ray + i]);
     }
   });
 }

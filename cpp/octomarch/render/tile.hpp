@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "octomarch/render/camera.hpp"
-#include "octomarch/render/illumination.hpp"
+#include "octomarch/render/radiance.hpp"
 #include "octomarch/render/render.hpp"
 #include "octomarch/render/surface_pass.hpp"
 
@@ -28,8 +28,9 @@ struct TileGrid {
 template <class Real>
 class TileRenderer {
  public:
-  TileRenderer(const Picture& picture, const Planes<Real>& planes, const kernels::KernelTable<Real>& kernels,
-               const TileGrid& grid);
+  /// `sky`: the scene's, compiled; used where colour is wanted.
+  TileRenderer(const Picture& picture, const Expressions& sky, const Planes<Real>& planes,
+               const kernels::KernelTable<Real>& kernels, const TileGrid& grid);
 
   /// Fills the planes of a tile. Colours of several samples take a pass for each, and the other planes one of their own
   /// through the pixels' centres.
@@ -43,7 +44,7 @@ class TileRenderer {
   void clear(const kernels::TileView& tile);
   void write_rays(const kernels::TileView& tile);
   void write_surfaces(const kernels::TileView& tile);
-  void write_sky(const kernels::TileView& tile);
+  void write_color(const kernels::TileView& tile);
   void add_sample(const kernels::TileView& tile, std::size_t sample);
   bool needs_surface() const;
 
@@ -56,11 +57,10 @@ class TileRenderer {
   const CameraFrame frame_;
   RayBatch<Real> batch_;
   RayColumns<Real> columns_{};
-  kernels::Column<Real> epsilon_{};
   std::size_t rays_ = 0;  ///< of the current tile
-  Buffer<Real> registers_;
+  LoadedTape<Real> field_;
   std::optional<SurfacePass<Real>> surface_;
-  std::optional<Illumination<Real>> illumination_;
+  std::optional<Radiance<Real>> radiance_;
   Buffer<double> sum_;  ///< of the colours of a tile's samples so far, in double so that equal ones have their own mean
   RenderStats stats_;
 };

@@ -1,7 +1,8 @@
-#include "octomarch/program/analysis.hpp"
+#include "octomarch/graph/analysis.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace octomarch {
@@ -66,6 +67,17 @@ LevelBox grown(const LevelBox& box, double level) {
   return {box.lo - box.growth * level, box.hi + box.growth * level, box.growth};
 }
 
+/// Bounds of a polygon's corners; endless along z.
+LevelBox polygon_box(const Node& node) {
+  LevelBox box{{kInfinity, kInfinity, -kInfinity}, {-kInfinity, -kInfinity, kInfinity}};
+  for (std::size_t i = 0; i < node.parameters().size(); i += 2) {
+    const Vec3 corner{node.parameter(i), node.parameter(i + 1), 0.0};
+    box.lo = {std::min(box.lo.x, corner.x), std::min(box.lo.y, corner.y), box.lo.z};
+    box.hi = {std::max(box.hi.x, corner.x), std::max(box.hi.y, corner.y), box.hi.z};
+  }
+  return box;
+}
+
 LevelBox moved(const LevelBox& box, const Vec3& offset) { return {box.lo + offset, box.hi + offset, box.growth}; }
 
 LevelBox scaled(const LevelBox& box, double factor) { return {box.lo * factor, box.hi * factor, box.growth}; }
@@ -90,6 +102,43 @@ LevelBox rotated(const LevelBox& box, std::span<const double> rotation) {
     }
   }
   return {vector_of(new_lo), vector_of(new_hi), vector_of(new_growth)};
+}
+
+/// factors · (child's box); a level c is one of c/min(factors) in the child.
+LevelBox stretched(const LevelBox& box, const Vec3& factors) {
+  const double least = std::min({factors.x, factors.y, factors.z});
+  const auto times = [](double a, double b) { return a * b; };
+  return {per_axis(box.lo, factors, times), per_axis(box.hi, factors, times),
+          per_axis(box.growth, factors * (1.0 / least), times)};
+}
+
+/// What lies where the coordinate is ≥ 0, and its mirror image.
+LevelBox mirrored(const LevelBox& box, double axis) {
+  Axis3 lo = array_of(box.lo);
+  const Axis3 hi = array_of(box.hi);
+  const auto i = static_cast<std::size_t>(axis);
+  lo[i] = -hi[i];
+  return {vector_of(lo), box.hi, box.growth};
+}
+
+/// Within `radius` of an axis and, along it, where the child is.
+LevelBox within_cylinder(const LevelBox& box, double radius, std::size_t axis) {
+  Axis3 lo{-radius, -radius, -radius};
+  Axis3 hi{radius, radius, radius};
+  Axis3 growth{1.0, 1.0, 1.0};
+  lo[axis] = array_of(box.lo)[axis];
+  hi[axis] = array_of(box.hi)[axis];
+  growth[axis] = array_of(box.growth)[axis];
+  return {vector_of(lo), vector_of(hi), vector_of(growth)};
+}
+
+LevelBox between(const LevelBox& box, double half_height) {
+  return {{box.lo.x, box.lo.y, -half_height}, {box.hi.x, box.hi.y, half_height}, {box.growth.x, box.growth.y, 1.0}};
+}
+
+LevelBox revolved(const LevelBox& box, double offset) {
+  const double radius = box.hi.x + offset;
+  return {{-radius, box.lo.y, -radius}, {radius, box.hi.y, radius}, {box.growth.x, box.growth.y, box.growth.x}};
 }
 
 LevelBox repeated(const LevelBox& box, const Node& node) {
@@ -155,15 +204,15 @@ FieldFacts primitive(const LevelBox& box, unsigned symmetry) {
   return facts;
 }
 
-FieldFacts union_facts(const Node& node, const std::vector<const FieldFacts*>& operands) {
+/// `lowering`: by how much a blend lowers the smaller operand at the most.
+FieldFacts union_facts(double lowering, const std::vector<const FieldFacts*>& operands) {
   FieldFacts facts = *operands[0];
   for (std::size_t i = 1; i < operands.size(); ++i) {
     const FieldFacts& other = *operands[i];
-    // a blend lowers the smaller operand by at most k/4: both sets at level k/4 hold the blended one
-    const double level = node.parameter(0) / 4.0;
-    facts.level = grown(hull(facts.level, other.level), level);
+    // both sets at the level by which a blend lowers hold the blended one
+    facts.level = grown(hull(facts.level, other.level), lowering);
     if (facts.focus && other.focus) {
-      facts.focus = grown(hull(*facts.focus, *other.focus), level);
+      facts.focus = grown(hull(*facts.focus, *other.focus), lowering);
     } else if (other.focus) {
       facts.focus = other.focus;
     }
@@ -204,17 +253,51 @@ FieldFacts carried(const FieldFacts& child, unsigned symmetry, Move&& move) {
   return facts;
 }
 
+FieldFacts field_facts(const Node& node) {
+  const auto p = node.parameters();
+  FieldFacts facts = primitive({{p[1], p[2], p[3]}, {p[4], p[5], p[6]}}, 0);
+  const bool is_cut = std::any_of(p.begin() + 1, p.end(), [](double bound) { return std::isfinite(bound); });
+  facts.lipschitz = is_cut ? std::max(p[0], 1.0) : p[0];
+  return facts;
+}
+
+/// Lipschitz bound of a map that shears by `shear` = rate · radius across what it is turned about.
+double shear_bound(double shear) { return (shear + std::sqrt(shear * shear + 4.0)) / 2.0; }
+
+FieldFacts turned_facts(const Node& node, const FieldFacts& child) {
+  const bool is_twist = node.kind() == NodeKind::kTwist;
+  const double shear = std::fabs(node.parameter(0)) * node.parameter(1);
+  const std::size_t axis = is_twist ? static_cast<std::size_t>(node.parameter(2)) : 2;
+  FieldFacts facts =
+      carried(child, 0, [&](const LevelBox& box) { return within_cylinder(box, node.parameter(1), axis); });
+  // a bend's rate grows along a line across its axis: there it stretches by 1 + shear, where a twist only shears
+  facts.lipschitz = std::max(1.0, child.lipschitz * (is_twist ? shear_bound(shear) : 1.0 + shear));
+  return facts;
+}
+
 FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& children) {
   const auto p = node.parameters();
   switch (node.kind()) {
     case NodeKind::kSphere: return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll | kIsotropic);
-    case NodeKind::kBox: return primitive(about_origin({p[0], p[1], p[2]}), kMirrorAll);
+    case NodeKind::kBox:
+    case NodeKind::kBoxExterior:
+    case NodeKind::kBoxMaximum: return primitive(about_origin({p[0], p[1], p[2]}), kMirrorAll);
     case NodeKind::kPlane: return primitive(plane_box(node), plane_symmetry(node));
     case NodeKind::kCylinder: return primitive(about_origin(extents(p[0], kInfinity, p[1])), kMirrorAll);
     case NodeKind::kCappedCylinder: return primitive(about_origin(extents(p[0], p[1], p[2])), kMirrorAll);
     case NodeKind::kTorus: return primitive(about_origin(extents(p[0] + p[1], p[1], p[2])), kMirrorAll);
     case NodeKind::kCapsule: return primitive(capsule_box(node), capsule_symmetry(node));
-    case NodeKind::kUnion: return union_facts(node, children);
+    case NodeKind::kCappedCone:
+      return primitive(about_origin(extents(std::max(p[0], p[1]), p[2], 1.0)),
+                       p[0] == p[1] ? kMirrorAll : kMirrorX | kMirrorX << 2U);
+    case NodeKind::kOctahedron: return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll);
+    case NodeKind::kPyramid: return primitive(about_origin({p[0], p[1], p[0]}), kMirrorX | kMirrorX << 2U);
+    case NodeKind::kRectangle: return primitive(about_origin({p[0], p[1], kInfinity}), kMirrorAll);
+    case NodeKind::kPolygon: return primitive(polygon_box(node), kMirrorX << 2U);
+    case NodeKind::kField: return field_facts(node);
+    case NodeKind::kSolid: return {};
+    case NodeKind::kUnion: return union_facts(p[0] / 4.0, children);
+    case NodeKind::kMetaballs: return union_facts(p[0] * std::numbers::ln2, children);
     case NodeKind::kIntersection: return intersection_facts(children);
     case NodeKind::kDifference: return difference_facts(children);
     case NodeKind::kComplement: {
@@ -223,6 +306,39 @@ FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& chil
       facts.symmetry = children[0]->symmetry;
       return facts;
     }
+    case NodeKind::kRound:
+    case NodeKind::kShell:
+      return carried(*children[0], children[0]->symmetry, [&](const LevelBox& box) { return grown(box, p[0]); });
+    case NodeKind::kDisplace: {
+      FieldFacts facts = carried(*children[0], 0, [&](const LevelBox& box) { return grown(box, p[1]); });
+      facts.lipschitz += p[0];
+      return facts;
+    }
+    case NodeKind::kExtrude: {
+      FieldFacts facts = carried(*children[0], (children[0]->symmetry & kMirrorAll) | kMirrorX << 2U,
+                                 [&](const LevelBox& box) { return between(box, p[0]); });
+      facts.focus = is_bounded(facts.level) ? std::optional(facts.level) : std::nullopt;
+      facts.lipschitz = std::max(facts.lipschitz, 1.0);
+      return facts;
+    }
+    case NodeKind::kRevolve: {
+      FieldFacts facts = carried(*children[0], (children[0]->symmetry & kMirrorAll) | kMirrorX | kMirrorX << 2U,
+                                 [&](const LevelBox& box) { return revolved(box, p[0]); });
+      facts.focus = is_bounded(facts.level) ? std::optional(facts.level) : std::nullopt;
+      return facts;
+    }
+    case NodeKind::kStretch:
+      return carried(*children[0], children[0]->symmetry & kMirrorAll,
+                     [&](const LevelBox& box) { return stretched(box, {p[0], p[1], p[2]}); });
+    case NodeKind::kMirror:
+      return carried(*children[0], children[0]->symmetry | kMirrorX << static_cast<unsigned>(p[0]),
+                     [&](const LevelBox& box) { return mirrored(box, p[0]); });
+    case NodeKind::kElongate:
+      return carried(*children[0], children[0]->symmetry & kMirrorAll, [&](const LevelBox& box) {
+        return LevelBox{box.lo - Vec3{p[0], p[1], p[2]}, box.hi + Vec3{p[0], p[1], p[2]}, box.growth};
+      });
+    case NodeKind::kTwist:
+    case NodeKind::kBend: return turned_facts(node, *children[0]);
     case NodeKind::kTranslate:
       return carried(*children[0], translated_symmetry(children[0]->symmetry, node),
                      [&](const LevelBox& box) { return moved(box, {p[0], p[1], p[2]}); });
@@ -235,8 +351,8 @@ FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& chil
       return carried(*children[0], children[0]->symmetry & kMirrorAll,
                      [&](const LevelBox& box) { return repeated(box, node); });
     case NodeKind::kPaint: return *children[0];
+    default: return {};  // expressions are no fields
   }
-  return {};
 }
 
 }  // namespace
@@ -251,11 +367,15 @@ FactTable analyse(const Node& root) {
     if (facts.contains(node)) continue;
     if (!children_done) {
       stack.emplace_back(node, true);
-      for (const NodePtr& child : node->children()) stack.emplace_back(child.get(), false);
+      for (const NodePtr& child : node->children()) {
+        if (is_shape(child->kind())) stack.emplace_back(child.get(), false);
+      }
       continue;
     }
     children.clear();
-    for (const NodePtr& child : node->children()) children.push_back(&facts.at(child.get()));
+    for (const NodePtr& child : node->children()) {
+      if (is_shape(child->kind())) children.push_back(&facts.at(child.get()));
+    }
     facts.emplace(node, facts_of(*node, children));
   }
   return facts;

@@ -1,0 +1,47 @@
+#include "octomarch/render/material_pass.hpp"
+
+namespace octomarch {
+
+template <class Real>
+MaterialPass<Real>::MaterialPass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size)
+    : kernels_(kernels),
+      albedo_(size),
+      roughness_(size),
+      specular_(size),
+      metallic_(size),
+      reflectivity_(size),
+      exponent_(size) {
+  const Expressions& surface = program.surface();
+  const std::vector<Real*> rows{albedo_.x.data(), albedo_.y.data(), albedo_.z.data(),    roughness_.data(),
+                                specular_.data(), metallic_.data(), reflectivity_.data()};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Expressions::Slot& slot = surface.slots[i];
+    if (slot.is_constant) std::fill_n(rows[i], size, clamped<Real>(slot.value));
+  }
+  const Expressions::Slot& reflectivity = surface.slots.back();
+  reflects_ = !reflectivity.is_constant || reflectivity.value > 0.0;
+  if (surface.is_constant()) {
+    kernels_.clamp_materials(view(), size);
+  } else {
+    slots_.emplace(surface, rows);
+  }
+}
+
+template <class Real>
+std::uint64_t MaterialPass<Real>::run(const SurfacePass<Real>& surface, const bool& cancelled) {
+  if (!slots_) return 0;
+  slots_->run(kernels_, surface.position.read(), surface.normal.read(), surface.count(), cancelled);
+  kernels_.clamp_materials(view(), surface.count());
+  return surface.count();
+}
+
+template <class Real>
+kernels::MaterialView<Real> MaterialPass<Real>::view() {
+  return {albedo_.view(),   roughness_.data(),    specular_.data(),
+          metallic_.data(), reflectivity_.data(), exponent_.data()};
+}
+
+template class MaterialPass<float>;
+template class MaterialPass<double>;
+
+}  // namespace octomarch

@@ -1,0 +1,34 @@
+// What surface points are made of: the slots of their material, from the program's third tape where they differ from point
+// to point. Comes after surface_pass.hpp; illumination.hpp and radiance.hpp read it.
+#pragma once
+
+#include <optional>
+
+#include "octomarch/render/loaded_tape.hpp"
+#include "octomarch/render/surface_pass.hpp"
+
+namespace octomarch {
+
+template <class Real>
+class MaterialPass {
+ public:
+  MaterialPass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size);
+
+  /// Finds the slots of every point of `surface`, whose normals are known; returns evaluations made. Where everything is
+  /// of one material there are none.
+  std::uint64_t run(const SurfacePass<Real>& surface, const bool& cancelled);
+
+  kernels::MaterialView<Real> view();
+  const VectorBuffer<Real>& albedo() const { return albedo_; }
+  /// Can any point be a mirror, even in part?
+  bool reflects() const { return reflects_; }
+
+ private:
+  const kernels::KernelTable<Real>& kernels_;
+  VectorBuffer<Real> albedo_;
+  Buffer<Real> roughness_, specular_, metallic_, reflectivity_, exponent_;
+  bool reflects_ = false;
+  std::optional<LoadedExpressions<Real>> slots_;  ///< those that are not constant
+};
+
+}  // namespace octomarch

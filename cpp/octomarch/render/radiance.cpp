@@ -1,0 +1,132 @@
+#include "octomarch/render/radiance.hpp"
+
+#include <numeric>
+
+namespace octomarch {
+
+template <class Real>
+Radiance<Real>::Radiance(const Picture& picture, const Expressions& sky, const kernels::KernelTable<Real>& kernels,
+                         std::size_t size)
+    : color(size),
+      picture_(picture),
+      kernels_(kernels),
+      materials_(*picture.program, kernels, size),
+      illumination_(picture, kernels, size),
+      sky_(sky, kernels, size),
+      root_(size),
+      share_(size) {}
+
+template <class Real>
+void Radiance<Real>::light(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count,
+                           SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
+  for (Buffer<Real>* channel : {&color.x, &color.y, &color.z}) std::fill_n(channel->data(), count, Real(0));
+  std::iota(root_.begin(), root_.begin() + static_cast<std::ptrdiff_t>(count), std::size_t{0});
+  std::fill_n(share_.begin(), count, Real(1));
+  bounces_left_ = materials_.reflects() ? picture_.shading.bounces : 0;
+  light_wave(batch, rays, count, surface, cancelled, stats);
+}
+
+template <class Real>
+void Radiance<Real>::follow_mirrors(SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
+  while (!mirrors_.empty() && !is_set(cancelled)) {
+    const std::size_t count = mirrors_.size();
+    cast_mirror_rays(surface);
+    --bounces_left_;
+    RayBatch<Real>& batch = mirror_->batch;
+    const RayColumns<Real> columns = own_columns(batch.origin, batch.direction, mirror_->epsilon);
+    const kernels::MarchParameters<Real> parameters = march_parameters(
+        *picture_.program, picture_.march, columns.epsilon_slope, picture_.march.secant_finish, cancelled);
+    LoadedTape<Real>& field = surface.field();
+    kernels_.march(field.view(), field.memory(),
+                   columns.view({nullptr, clamped<Real>(picture_.march.max_distance)}, count), parameters,
+                   {batch.t.data(), batch.unfinished.data(), batch.status.data(), nullptr}, stats.reflection);
+    stats.reflection_rays += count;
+    if (is_set(cancelled)) return;
+    surface.gather(batch, columns, count);
+    stats.gradient_evaluations += surface.find_normals(picture_.shading, cancelled);
+    light_wave(batch, columns, count, surface, cancelled, stats);
+  }
+}
+
+/// Adds the light of a wave of rays, and notes which of its surfaces have mirror rays to follow.
+template <class Real>
+void Radiance<Real>::light_wave(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count,
+                                SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
+  stats.surface_evaluations += materials_.run(surface, cancelled);
+  illumination_.run(surface, materials_, cancelled, stats);
+  add_surfaces(surface);
+
+  sky_.clear();
+  const auto look = [&](std::size_t ray) {
+    sky_.add(ray, RayColumns<Real>::at(rays.dx, ray), RayColumns<Real>::at(rays.dy, ray),
+             RayColumns<Real>::at(rays.dz, ray));
+  };
+  for (std::size_t ray = 0; ray < count; ++ray) {
+    if (static_cast<Status>(batch.status[ray]) == Status::kMiss) look(ray);
+  }
+  for (std::size_t i = 0; i < surface.count(); ++i) {
+    if (surface.is_nothing(i)) look(surface.ray(i));
+  }
+  add_sky(cancelled, stats);
+}
+
+template <class Real>
+void Radiance<Real>::add_surfaces(SurfacePass<Real>& surface) {
+  const Real cutoff = clamped<Real>(picture_.shading.reflection_cutoff);
+  const Real* const reflectivity = materials_.view().reflectivity;
+  mirrors_.clear();
+  for (std::size_t i = 0; i < surface.count(); ++i) {
+    if (surface.is_nothing(i)) continue;
+    const std::size_t ray = surface.ray(i);
+    Real share = share_[ray];
+    const Real mirrored = share * reflectivity[i];
+    if (bounces_left_ > 0 && mirrored > Real(0) && mirrored >= cutoff) {
+      mirrors_.push_back(i);
+      share *= Real(1) - reflectivity[i];
+    }
+    add(ray, share, illumination_.color(), i);
+  }
+}
+
+template <class Real>
+void Radiance<Real>::add_sky(const bool& cancelled, RenderStats& stats) {
+  stats.sky_evaluations += sky_.run(cancelled);
+  for (std::size_t i = 0; i < sky_.count(); ++i) add(sky_.ray(i), share_[sky_.ray(i)], sky_.color, i);
+}
+
+template <class Real>
+void Radiance<Real>::add(std::size_t ray, Real share, const VectorBuffer<Real>& light, std::size_t i) {
+  const std::size_t root = root_[ray];
+  color.x[root] += share * light.x[i];
+  color.y[root] += share * light.y[i];
+  color.z[root] += share * light.z[i];
+}
+
+/// Makes the next wave of the surface points in mirrors_.
+template <class Real>
+void Radiance<Real>::cast_mirror_rays(SurfacePass<Real>& surface) {
+  if (!mirror_) mirror_ = std::make_unique<MirrorRays>(color.x.size());
+  MirrorRays& mirror = *mirror_;
+  kernels_.mirror_rays(surface.view(), clamped<Real>(picture_.shading.reflection_offset), mirror.origin.view(),
+                       mirror.direction.view());
+  const Real* const reflectivity = materials_.view().reflectivity;
+  for (std::size_t k = 0; k < mirrors_.size(); ++k) {
+    const std::size_t i = mirrors_[k];
+    mirror.batch.origin.x[k] = mirror.origin.x[i];
+    mirror.batch.origin.y[k] = mirror.origin.y[i];
+    mirror.batch.origin.z[k] = mirror.origin.z[i];
+    mirror.batch.direction.x[k] = mirror.direction.x[i];
+    mirror.batch.direction.y[k] = mirror.direction.y[i];
+    mirror.batch.direction.z[k] = mirror.direction.z[i];
+    mirror.epsilon[k] = epsilon_at(picture_.march, mirror.origin.x[i], mirror.origin.y[i], mirror.origin.z[i]);
+    // k ≤ i ≤ ray: what is overwritten has been read
+    const std::size_t ray = surface.ray(i);
+    root_[k] = root_[ray];
+    share_[k] = share_[ray] * reflectivity[i];
+  }
+}
+
+template class Radiance<float>;
+template class Radiance<double>;
+
+}  // namespace octomarch

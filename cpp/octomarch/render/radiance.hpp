@@ -1,0 +1,62 @@
+// What light comes back along rays that have been marched: from the surfaces that they found, from the sky where they
+// found none, and from what they see in mirrors. Mirror rays go in waves: those of all surface points of a batch are
+// marched and lit together, like the rays before them. Comes after surface_pass.hpp; tile.hpp writes the result.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "octomarch/render/illumination.hpp"
+#include "octomarch/render/material_pass.hpp"
+#include "octomarch/render/render.hpp"
+#include "octomarch/render/sky_pass.hpp"
+#include "octomarch/render/surface_pass.hpp"
+
+namespace octomarch {
+
+template <class Real>
+class Radiance {
+ public:
+  /// `sky`: the scene's, compiled; must outlive this.
+  Radiance(const Picture& picture, const Expressions& sky, const kernels::KernelTable<Real>& kernels, std::size_t size);
+
+  /// Sets color[i] of each of `count` rays to what it sees, mirrors apart. `surface` holds the surface points of the
+  /// batch with their normals.
+  void light(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count, SurfacePass<Real>& surface,
+             const bool& cancelled, RenderStats& stats);
+
+  /// Adds what is seen in mirrors. Comes after light(), and leaves other points in `surface`.
+  void follow_mirrors(SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats);
+
+  VectorBuffer<Real> color;
+
+ private:
+  struct MirrorRays {
+    explicit MirrorRays(std::size_t size) : batch(size), epsilon(size), origin(size), direction(size) {}
+
+    RayBatch<Real> batch;
+    Buffer<Real> epsilon;
+    VectorBuffer<Real> origin, direction;  ///< of all surface points, before those that reflect are gathered
+  };
+
+  void light_wave(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count,
+                  SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats);
+  void add_surfaces(SurfacePass<Real>& surface);
+  void add_sky(const bool& cancelled, RenderStats& stats);
+  void add(std::size_t ray, Real share, const VectorBuffer<Real>& light, std::size_t i);
+  void cast_mirror_rays(SurfacePass<Real>& surface);
+
+  const Picture& picture_;
+  const kernels::KernelTable<Real>& kernels_;
+  MaterialPass<Real> materials_;
+  Illumination<Real> illumination_;
+  SkyPass<Real> sky_;
+  int bounces_left_ = 0;
+  // of each ray of the current wave: the ray of the batch to which its light goes, and its share in that
+  std::vector<std::size_t> root_;
+  std::vector<Real> share_;
+  std::vector<std::size_t> mirrors_;  ///< surface points whose mirror rays are followed
+  std::unique_ptr<MirrorRays> mirror_;
+};
+
+}  // namespace octomarch

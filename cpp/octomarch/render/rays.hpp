@@ -1,0 +1,66 @@
+// Rays in the memory of a worker, and how they are marched: the settings of a picture or a query as kernels take them.
+// Comes before every stage that casts rays.
+#pragma once
+
+#include <cmath>
+
+#include "octomarch/graph/scene.hpp"
+#include "octomarch/kernels/dispatch.hpp"
+#include "octomarch/program/program.hpp"
+#include "octomarch/render/buffer.hpp"
+
+namespace octomarch {
+
+/// Rays and what the march made of them, `size` at the most.
+template <class Real>
+struct RayBatch {
+  explicit RayBatch(std::size_t size)
+      : origin(size), direction(size), t(size), unfinished(size), status(size), steps(size) {}
+
+  VectorBuffer<Real> origin;     ///< not used where all rays share one
+  VectorBuffer<Real> direction;  ///< likewise
+  Buffer<Real> t;
+  Buffer<Real> unfinished;
+  Buffer<std::uint8_t> status;
+  Buffer<std::int32_t> steps;
+};
+
+/// Origin and direction columns of a batch, and the hit epsilon's two parts.
+template <class Real>
+struct RayColumns {
+  kernels::Column<Real> ox, oy, oz;
+  kernels::Column<Real> dx, dy, dz;
+  kernels::Column<Real> epsilon;  ///< absolute
+  Real epsilon_slope;
+
+  static Real at(const kernels::Column<Real>& column, std::size_t i) {
+    return column.values == nullptr ? column.value : column.values[i];
+  }
+
+  kernels::RayView<Real> view(const kernels::Column<Real>& t_max, std::size_t count) const {
+    return {ox, oy, oz, dx, dy, dz, t_max, epsilon, count};
+  }
+};
+
+/// Columns of rays that each have an origin, a direction and an epsilon of their own, without a pixel's footprint.
+template <class Real>
+RayColumns<Real> own_columns(const VectorBuffer<Real>& origin, const VectorBuffer<Real>& direction,
+                             const Buffer<Real>& epsilon) {
+  const auto column = [](const Buffer<Real>& values) { return kernels::Column<Real>{values.data(), 0}; };
+  return {column(origin.x),    column(origin.y),    column(origin.z), column(direction.x),
+          column(direction.y), column(direction.z), column(epsilon),  kUlpFloor<Real>};
+}
+
+/// Absolute part of the hit epsilon of a ray from (x, y, z) that has no pixel.
+template <class Real>
+Real epsilon_at(const March& march, Real x, Real y, Real z) {
+  return std::max(clamped<Real>(march.epsilon), kUlpFloor<Real> * std::max({std::fabs(x), std::fabs(y), std::fabs(z)}));
+}
+
+template <class Real>
+kernels::MarchParameters<Real> march_parameters(const Program& program, const March& march, Real epsilon_slope,
+                                                bool secant_finish, const bool& cancelled) {
+  return {static_cast<Real>(1.0 / program.lipschitz()), epsilon_slope, march.max_steps, secant_finish, &cancelled};
+}
+
+}  // namespace octomarch

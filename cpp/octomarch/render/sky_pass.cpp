@@ -1,0 +1,41 @@
+#include "octomarch/render/sky_pass.hpp"
+
+namespace octomarch {
+
+template <class Real>
+SkyPass<Real>::SkyPass(const Expressions& sky, const kernels::KernelTable<Real>& kernels, std::size_t size)
+    : color(size), kernels_(kernels), direction_(size) {
+  ray_.reserve(size);
+  const std::vector<Real*> rows{color.x.data(), color.y.data(), color.z.data()};
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Expressions::Slot& slot = sky.slots[i];
+    if (slot.is_constant) std::fill_n(rows[i], size, clamped<Real>(slot.value));
+  }
+  if (sky.is_constant()) {
+    kernels_.clamp_colors(color.view(), size);
+  } else {
+    channels_.emplace(sky, rows);
+  }
+}
+
+template <class Real>
+void SkyPass<Real>::add(std::size_t ray, Real dx, Real dy, Real dz) {
+  const std::size_t i = ray_.size();
+  ray_.push_back(ray);
+  direction_.x[i] = dx;
+  direction_.y[i] = dy;
+  direction_.z[i] = dz;
+}
+
+template <class Real>
+std::uint64_t SkyPass<Real>::run(const bool& cancelled) {
+  if (!channels_ || count() == 0) return 0;
+  channels_->run(kernels_, direction_.read(), direction_.read(), count(), cancelled);
+  kernels_.clamp_colors(color.view(), count());
+  return count();
+}
+
+template class SkyPass<float>;
+template class SkyPass<double>;
+
+}  // namespace octomarch

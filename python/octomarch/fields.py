@@ -1,0 +1,103 @@
+"""Shapes made of expressions: the user's own distance fields, and solids of which only the inside is known.
+
+Expressions come before it (`expressions`, `functions`); the shapes combine with all others.
+"""
+
+from __future__ import annotations
+
+from octomarch import _core
+from octomarch import _validate as check
+from octomarch._validate import Vec3, VectorLike
+from octomarch.expressions import ExpressionLike, operand
+from octomarch.shapes import Shape
+
+
+def field(
+    expression: ExpressionLike, lipschitz: float | None = None, bounds: tuple[VectorLike, VectorLike] | None = None
+) -> Shape:
+    """Return the shape whose field is an expression: the solid is where it is at most 0.
+
+    A march steps by the field over its slope's bound, so no surface is missed as long as the bound holds; the closer it
+    is, the fewer steps are taken. Without `lipschitz` it is found by interval arithmetic on the gradient [1]_, over
+    `bounds` where they are given.
+
+    Parameters
+    ----------
+    expression : Expression
+        Of `octomarch.coordinates`; need not be a distance.
+    lipschitz : float, optional
+        Bound of the slope ≥ 0: how much the field can change per scene unit. None: found.
+    bounds : (lo, hi), optional
+        Two corners; the shape is cut to the box between them, so that the bound need hold only there. Infinite
+        components leave a side open.
+
+    Returns
+    -------
+    Shape
+
+    Raises
+    ------
+    TypeError, ValueError
+        If an argument is of a wrong type or outside its range, or the expression looks at the surface's normal. If no
+        bound is given and none is found: where the expression jumps, or grows faster than linearly and has no bounds.
+
+    References
+    ----------
+    .. [1] R. E. Moore, R. B. Kearfott, M. J. Cloud, "Introduction to Interval Analysis", SIAM, 2009.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> x, y, z = om.coordinates()
+    >>> ball = om.field(om.sqrt(x * x + y * y + z * z) - 1, lipschitz=1)
+    >>> float(ball.distance([0, 3, 4]))
+    4.0
+    >>> heart = om.field(
+    ...     (x * x + 9 / 4 * z * z + y * y - 1) ** 3 - x * x * y**3 - 9 / 80 * z * z * y**3,
+    ...     bounds=((-1.3, -1.3, -1.3), (1.3, 1.3, 1.3)),
+    ... )
+    >>> om.compile(heart).lipschitz < 1000
+    True
+    """
+    slope = None if lipschitz is None else check.number("lipschitz", lipschitz)
+    return Shape(_core.field(operand("expression", expression), slope, _corners(bounds)))
+
+
+def solid(condition: ExpressionLike) -> Shape:
+    """Return a shape of which only inside and outside are known: the points where the condition holds.
+
+    Such a shape has no distances, so only a march of fixed steps finds it, ``om.March(method="fixed")``; parts thinner
+    than a step may be missed.
+
+    Parameters
+    ----------
+    condition : Expression
+        Such as ``x * x + y * y <= 1``; any number but 0 means inside.
+
+    Returns
+    -------
+    Shape
+
+    Raises
+    ------
+    TypeError, ValueError
+        If the condition is no expression or number, or looks at the surface's normal.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> x, y, z = om.coordinates()
+    >>> ball = om.solid(x * x + y * y + z * z <= 1)
+    >>> (ball.distance([[0, 0, 0], [2, 0, 0]]) <= 0).tolist()
+    [True, False]
+    """
+    return Shape(_core.solid(operand("condition", condition)))
+
+
+def _corners(bounds: tuple[VectorLike, VectorLike] | None) -> tuple[Vec3, Vec3] | None:
+    if bounds is None:
+        return None
+    items = check.sequence("bounds", bounds, "two corners")
+    if len(items) != 2:
+        raise ValueError(f"bounds must be two corners, got {check.shown(bounds)}")
+    return check.vector("bounds[0]", items[0]), check.vector("bounds[1]", items[1])
