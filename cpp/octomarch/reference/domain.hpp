@@ -88,9 +88,6 @@ class Turn {
   Vector<T> point() const { return turned(drawn_, sine_); }
   /// What the child is cut to: the cylinder that holds it.
   Jet<T> wall() const { return {distance_ - radius_, direction_of(across_)}; }
-  /// A direction at p as the child sees it, if the turn were the same everywhere.
-  Vector<T> direction(const Vector<T>& d) const { return turned(d, sine_); }
-
   /// The child's gradient as that of the whole.
   Vector<T> gradient(const Vector<T>& child) const {
     const Vector<T> q = point();
@@ -102,6 +99,23 @@ class Turn {
     kept[u_] = g[u_];
     kept[v_] = g[v_];
     return g - kept + (kept - outward * glm::dot(kept, outward)) * (radius_ / distance_);
+  }
+
+  /// The direction of the child's gradient where that of the whole is along `parent`: the inverse of gradient(), but for
+  /// lengths, inside the wall.
+  Vector<T> child_direction(const Vector<T>& parent) const {
+    const Vector<T> q = point();
+    Vector<T> g = turned(parent, sine_);
+    if (along_ != u_) {
+      g[along_] -= rate_ * (g[v_] * q[u_] - g[u_] * q[v_]);
+      return direction_of(g);
+    }
+    // two equations, of u and v, by Cramer's rule
+    const T determinant = T(1) - rate_ * drawn_[v_];
+    g = parent * determinant;
+    g[u_] = cosine_ * parent[u_] - (sine_ + rate_ * q[u_]) * parent[v_];
+    g[v_] = sine_ * parent[u_] + (cosine_ - rate_ * q[v_]) * parent[v_];
+    return direction_of(determinant < T(0) ? -g : g);
   }
 
  private:
@@ -195,15 +209,20 @@ Vector<T> parent_gradient(const Node& node, const Vector<T>& p, const Vector<T>&
   }
 }
 
-/// A surface's unit normal at p as the child's coordinates have it: turned and mirrored as they are. Other operators leave
-/// it.
+/// A surface's unit normal at p as the child's coordinates have it: along the gradient there that parent_gradient() makes
+/// this normal of.
 template <class T>
 Vector<T> child_normal(const Node& node, const Vector<T>& p, const Vector<T>& normal) {
   switch (node.kind()) {
     case NodeKind::kRotate: return glm::transpose(rotation<T>(node)) * normal;
+    case NodeKind::kStretch: return direction_of(normal * vector_parameter<T>(node, 0));
     case NodeKind::kMirror: return parent_gradient(node, p, normal);
     case NodeKind::kTwist:
-    case NodeKind::kBend: return Turn<T>(node, p).direction(normal);
+    case NodeKind::kBend: return Turn<T>(node, p).child_direction(normal);
+    case NodeKind::kRevolve: {
+      const Vector<T> outward = outward_from_y(p);
+      return {glm::dot(normal, outward), normal.y, normal.z * outward.x - normal.x * outward.z};
+    }
     default: return normal;
   }
 }
