@@ -48,10 +48,9 @@ struct RegisterLayout<Dual<Lanes<Real>>> {
 
 /// An operator with the constants of one instruction; some look at the tape's images too.
 template <template <class> class Op, class Real>
-Op<Lanes<Real>> operator_of(const Instruction& instruction, const TapeView<Real>& tape) {
-  const Real* const constants = tape.constants + instruction.constants;
+Op<Lanes<Real>> operator_of(const Real* constants, const ImageView* images) {
   if constexpr (std::is_constructible_v<Op<Lanes<Real>>, const Real*, const ImageView*>) {
-    return Op<Lanes<Real>>(constants, tape.images);
+    return Op<Lanes<Real>>(constants, images);
   } else {
     return Op<Lanes<Real>>(constants);
   }
@@ -60,15 +59,15 @@ Op<Lanes<Real>> operator_of(const Instruction& instruction, const TapeView<Real>
 /// Runs one instruction over `count` batches. All inputs of a batch are read before its outputs are written, since
 /// they may share registers.
 template <class Real>
-using Handler = void (*)(const Instruction& instruction, const TapeView<Real>& tape, Real* registers,
-                         std::size_t count);
+using Handler = void (*)(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count,
+                         const ImageView* images);
 
 template <template <class> class Op, class T, class Real, std::size_t Inputs, std::size_t Outputs>
-[[gnu::flatten]] void execute(const Instruction& instruction, const TapeView<Real>& tape, Real* registers,
-                              std::size_t count) {
+[[gnu::flatten]] void execute(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count,
+                              const ImageView* images) {
   using Layout = RegisterLayout<T>;
   constexpr std::size_t kRegister = Layout::kComponents * kLanes;
-  const auto op = operator_of<Op, Real>(instruction, tape);
+  const auto op = operator_of<Op, Real>(constants, images);
   Real* const out0 = registers + instruction.out[0] * kRegister;
   Real* const out1 = registers + instruction.out[1] * kRegister;
   Real* const out2 = registers + instruction.out[2] * kRegister;
@@ -127,7 +126,8 @@ constexpr Handler<Real> kDualHandlers[] = {
 template <class Real>
 const Real* evaluate(const TapeView<Real>& tape, Real* registers, std::size_t count) {
   for (const Instruction* i = tape.code; i != tape.code + tape.length; ++i) {
-    kValueHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape, registers, count);
+    kValueHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape.constants + i->constants, registers, count,
+                                                          tape.images);
   }
   return registers + tape.result * kLanes;
 }
@@ -136,7 +136,8 @@ const Real* evaluate(const TapeView<Real>& tape, Real* registers, std::size_t co
 template <class Real>
 const Real* evaluate_dual(const TapeView<Real>& tape, Real* registers, std::size_t count) {
   for (const Instruction* i = tape.code; i != tape.code + tape.length; ++i) {
-    kDualHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape, registers, count);
+    kDualHandlers<Real>[static_cast<std::size_t>(i->op)](*i, tape.constants + i->constants, registers, count,
+                                                         tape.images);
   }
   return registers + tape.result * 4 * kLanes;
 }
