@@ -38,6 +38,14 @@ def test_listing_is_legible():
     ]
 
 
+def test_listing_says_when_neighbouring_cells_are_looked_at():
+    note = "repeats look at the neighbouring cell along"
+    lopsided = om.capsule((0, 0, 0), (0.3, 0.2, 0), 0.1)
+    assert note not in str(om.compile(om.sphere(0.3).repeat(1)))
+    assert f"{note} 1 coordinate:" in str(om.compile(lopsided.repeat((1, None, 1))))
+    assert f"{note} 2 coordinates:" in str(om.compile(lopsided.repeat(1)))
+
+
 FOLDED = {
     "moved": (BOX.translate(1, 2, 3), ["box"]),
     "scaled": (BOX.scale(2), ["origin_box"]),

@@ -1,4 +1,5 @@
 // The program as text, for people: what runs, on which registers, with which constants.
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -48,6 +49,13 @@ std::string listing(const Program& program) {
                      std::to_string(tape.registers) + " registers; r0 r1 r2 = x y z, result in r" +
                      std::to_string(tape.result()) + "\n";
   for (std::size_t i = 0; i < tape.code.size(); ++i) text += line(tape, i);
+  const auto neighbours = std::count_if(tape.code.begin(), tape.code.end(), [](const Instruction& instruction) {
+    return instruction.op == Opcode::kRepeatNeighbour;
+  });
+  if (neighbours > 0) {
+    text += "repeats look at the neighbouring cell along " + std::to_string(neighbours) +
+            (neighbours == 1 ? " coordinate" : " coordinates") + ": their content is not symmetric in its cell\n";
+  }
   text += "bounds " + point(program.bounds().lo) + " .. " + point(program.bounds().hi) + "\n";
   text += "lipschitz " + number(program.lipschitz()) + "\n";
   return text;
