@@ -1,4 +1,4 @@
-"""The planes of a picture: what each costs, where cameras look, what pixels without a surface hold."""
+"""The planes of a picture: what the march counts, where cameras look, what pixels without a surface hold."""
 
 import itertools
 
@@ -12,7 +12,6 @@ from octomarch.planes import PLANES
 from rounding import unit_roundoff
 from strategies import Sample, nested
 
-RED, BLUE = om.Material((0.8, 0.1, 0.1)), om.Material((0.1, 0.1, 0.8))
 BALL = om.sphere(1.0)
 FLOOR = om.plane(point=(0, -1, 0))
 CAMERA = om.Camera((0, 1, 5), (0, 0, 0))
@@ -20,57 +19,7 @@ SUN = om.DirectionalLight((-1, -2, -1))
 SIZE = (50, 38)
 ALL = tuple(PLANES)
 
-# Costs ---------------------------------------------------------------------------------------------------------------
-
-EXTRA = (
-    "gradient_evaluations",
-    "attribute_evaluations",
-    "surface_evaluations",
-    "occlusion_evaluations",
-    "shadow_rays",
-    "shadow_evaluations",
-)
-
-
-def costs(
-    shape: om.Shape, planes: str | tuple[str, ...], isa: str, lights=(), ambient=0.0, **shading
-) -> dict[str, int]:
-    """Return the counts of work beyond the march that are not zero, in units of surface points."""
-    scene = om.Scene(shape, lights=lights, ambient=ambient)
-    image = om.render(scene, CAMERA, SIZE, planes=planes, shading=om.Shading(**shading), isa=isa)
-    status = om.render(scene, CAMERA, SIZE, planes="status", isa=isa).status
-    surfaces = int(np.isin(status, [om.Status.HIT, om.Status.STEP_LIMIT]).sum())
-    assert surfaces > 100
-    return {name: image.stats[name] / surfaces for name in EXTRA if image.stats[name]}
-
-
-@pytest.mark.parametrize("plane", ["depth", "steps", "status", "position"])
-def test_planes_of_the_march_cost_nothing_more(plane: str, isa: str):
-    shape = BALL.paint(RED) | FLOOR.paint(BLUE)
-    assert costs(shape, plane, isa, lights=[SUN], ambient=0.5) == {}
-
-
-def test_normals_cost_gradients_and_ids_attributes(isa: str):
-    shape = BALL.paint(RED) | FLOOR.paint(BLUE)
-    assert costs(shape, "normal", isa, lights=[SUN], ambient=0.5) == {"gradient_evaluations": 1}
-    assert costs(shape, "normal", isa, normals="central") == {"gradient_evaluations": 6}
-    for plane in ("object_id", "material_id", ("object_id", "material_id")):
-        assert costs(shape, plane, isa, lights=[SUN], ambient=0.5) == {"attribute_evaluations": 1}
-
-
-def test_colours_cost_what_the_scene_asks_for(isa: str):
-    plain, painted = BALL | FLOOR, BALL.paint(RED) | FLOOR.paint(BLUE)
-    assert costs(plain, "color", isa) == {"gradient_evaluations": 1}
-    assert costs(painted, "color", isa) == {"gradient_evaluations": 1, "surface_evaluations": 1}
-    assert costs(plain, "color", isa, ambient=0.1, occlusion=0) == {"gradient_evaluations": 1}
-    occluded = costs(plain, "color", isa, ambient=0.1, occlusion=4)
-    assert occluded == {"gradient_evaluations": 1, "occlusion_evaluations": 4}
-    assert costs(plain, "color", isa, lights=[SUN], shadows="none") == {"gradient_evaluations": 1}
-    below = om.DirectionalLight((0, 1, 0))
-    assert costs(FLOOR, "color", isa, lights=[below], shadows="soft") == {"gradient_evaluations": 1}
-    lit = costs(FLOOR, "color", isa, lights=[SUN, SUN], shadows="hard")
-    assert lit.pop("shadow_evaluations") >= 2
-    assert lit == {"gradient_evaluations": 1, "shadow_rays": 2}
+# Counts --------------------------------------------------------------------------------------------------------------
 
 
 def test_counts_of_the_march_are_those_of_its_rays(isa: str):

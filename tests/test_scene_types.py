@@ -17,11 +17,14 @@ VALUES = [
     om.Material(),
     om.DirectionalLight((0, -1, 0)),
     om.PointLight((1, 2, 3)),
+    om.SpotLight((1, 2, 3), target=(0, 0.5, 0), softness=0.5),
     om.Sky(),
+    om.ConstantSky((0.5, 0.25, 1)),
+    om.GradientSky([(-10, 0.1), (0, (0.5, 0.4, 0.3)), (90, 0)], axis=(0, 0, 1)),
     om.Camera((0, 0, 3), (0, 0, 0)),
     om.OrthographicCamera((0, 0, 3), (0, 0, 0)),
     om.March(),
-    om.Shading(),
+    om.Shading(bounces=3),
 ]
 
 
@@ -34,6 +37,25 @@ def test_values_are_frozen_equal_by_content_and_picklable(value):
     assert same == value == copy.deepcopy(value) == pickle.loads(pickle.dumps(value))
     assert hash(same) == hash(value)
     assert eval(repr(value), vars(om)) == value
+
+
+def test_environment_maps_are_equal_by_content_and_picklable():
+    picture = np.arange(24, dtype=np.float32).reshape(2, 4, 3)
+    value = om.EnvironmentMap(picture, rotation=20)
+    assert value == om.EnvironmentMap(picture.copy(), 20) == copy.deepcopy(value) == pickle.loads(pickle.dumps(value))
+    assert hash(value) == hash(om.EnvironmentMap(picture, 20.0))
+    assert value != om.EnvironmentMap(picture + 1, 20)
+    assert value != om.EnvironmentMap(picture, 21)
+    with pytest.raises(ValueError, match="read-only"):
+        value.image[0, 0, 0] = 1
+    picture[0, 0, 0] = 7
+    assert value.image[0, 0, 0] == 0
+
+
+def test_custom_skies_are_equal_by_content():
+    x, y, _ = om.coordinates()
+    assert om.CustomSky((x, y, 1)) == om.CustomSky((x, y, 1)) != om.CustomSky((x, y, 2))
+    assert om.CustomSky(0.5) == om.CustomSky((0.5, 0.5, 0.5))
 
 
 def test_numbers_are_grey_and_vectors_become_tuples_of_floats():
@@ -60,13 +82,21 @@ def test_scene_keeps_lights_as_a_tuple():
         (lambda v: om.Material(metallic=v), "metallic"),
         (lambda v: om.DirectionalLight((0, -1, 0), v), "color"),
         (lambda v: om.PointLight((0, 1, 0), (v, 1, 1)), "color"),
+        (lambda v: om.SpotLight((0, 1, 0), target=(0, 0, 0), color=v), "color"),
+        (lambda v: om.SpotLight((0, 1, 0), target=(0, 0, 0), angle=v), "angle"),
+        (lambda v: om.SpotLight((0, 1, 0), target=(0, 0, 0), softness=v), "softness"),
         (lambda v: om.Sky(base=v), "base"),
+        (lambda v: om.ConstantSky(v), "color"),
+        (lambda v: om.GradientSky([(0, 1), (1, v)]), r"the color of stops\[1\]"),
+        (lambda v: om.EnvironmentMap(np.ones((1, 2, 3)), intensity=v), "intensity"),
         (lambda v: om.Scene(BALL, ambient=v), "ambient"),
         (lambda v: om.Camera((0, 0, 3), (0, 0, 0), fov=v), "fov"),
         (lambda v: om.OrthographicCamera((0, 0, 3), (0, 0, 0), height=v), "height"),
         (lambda v: om.Shading(normal_step=v), "normal_step"),
         (lambda v: om.Shading(shadow_k=v), "shadow_k"),
         (lambda v: om.Shading(occlusion_distance=v), "occlusion_distance"),
+        (lambda v: om.Shading(reflection_cutoff=v), "reflection_cutoff"),
+        (lambda v: om.Shading(reflection_offset=v), "reflection_offset"),
     ],
 )
 @pytest.mark.parametrize("value", [NAN, INF, -1.0], ids=str)
@@ -84,7 +114,20 @@ def test_numbers_outside_their_domain_are_named(make, argument, value):
         (lambda: om.DirectionalLight((0, NAN, 0)), "direction must be finite"),
         (lambda: om.PointLight((0, INF, 0)), "position must be finite"),
         (lambda: om.PointLight((0, 1, 0), decay=3), r"decay must lie in \[0, 2\], got 3"),
+        (lambda: om.SpotLight((0, 1, 0)), "target or direction must be given, one of them; got none"),
+        (lambda: om.SpotLight((0, 1, 0), (0, 0, 0), (0, -1, 0)), "target or direction must be given, one of them"),
+        (lambda: om.SpotLight((0, 1, 0), (0, 1, 0)), "target must not be the light's position"),
+        (lambda: om.SpotLight((0, 1, 0), direction=(0, 0, 0)), "direction must not be the zero vector"),
+        (lambda: om.SpotLight((0, 1, 0), (0, 0, 0), angle=181), r"angle must lie in \[1, 180\], got 181"),
         (lambda: om.Sky(axis=(0, 0, 0)), "axis must not be the zero vector"),
+        (lambda: om.GradientSky([]), "stops must hold at least one"),
+        (lambda: om.GradientSky([(0, 1), (0, 2)]), r"elevations in stops must rise within \[-90, 90\], got 0.0"),
+        (lambda: om.GradientSky([(0, 1), (91, 2)]), r"elevations in stops must rise within \[-90, 90\], got 91.0"),
+        (lambda: om.GradientSky([(0, 1, 2)]), r"stops\[0\] must be \(elevation, color\), got \(0, 1, 2\)"),
+        (lambda: om.EnvironmentMap(np.ones((4, 4, 4))), r"image must have shape \(height, width, 3\)"),
+        (lambda: om.EnvironmentMap(np.ones((4, 8, 3)), rotation=INF), "rotation must be finite"),
+        (lambda: om.CustomSky(om.normals()), "color must not look at normals"),
+        (lambda: om.CustomSky((1, 2)), "color must have three components"),
         (lambda: om.Camera((1, 2, 3), (1, 2, 3)), "target must differ from eye"),
         (lambda: om.Camera((0, 3, 0), (0, 0, 0)), "up must not be parallel to the view"),
         (lambda: om.Camera((0, 0, 3), (0, 0, 0), up=(0, 0, 0)), "up must not be the zero vector"),
@@ -93,9 +136,10 @@ def test_numbers_outside_their_domain_are_named(make, argument, value):
         (lambda: om.Camera((0, 0, 3), (0, 0, 0), fov=0), "fov must lie inside"),
         (lambda: om.OrthographicCamera((0, 3, 0), (0, 0, 0)), "up must not be parallel"),
         (lambda: om.OrthographicCamera((0, 0, 3), (0, 0, 0), height=0), "height must be > 0, got 0"),
-        (lambda: om.Shading(normals="tetra"), "normals must be one of 'exact', 'central', got 'tetra'"),
+        (lambda: om.Shading(normals="tetra"), "normals must be one of 'exact', 'central', 'tetrahedron', got"),
         (lambda: om.Shading(shadows="blurred"), "shadows must be one of 'none', 'hard', 'soft'"),
         (lambda: om.Shading(occlusion=65), "occlusion must lie in"),
+        (lambda: om.Shading(bounces=65), r"bounces must lie in \[0, 64\], got 65"),
     ],
 )
 def test_impossible_values_are_refused(make, message):
@@ -113,9 +157,15 @@ def test_impossible_values_are_refused(make, message):
         (lambda: om.Camera("a", (0, 0, 0)), "eye must be three numbers"),
         (lambda: om.Camera({1, 2, 3}, (0, 0, 0)), "eye must be three numbers"),
         (lambda: om.Shading(occlusion=2.5), "occlusion must be an integer"),
+        (lambda: om.Shading(bounces=1.5), "bounces must be an integer"),
+        (lambda: om.Sky(clamped=1), "clamped must be True or False, got 1"),
+        (lambda: om.GradientSky(3), r"stops must be a sequence of \(elevation, color\), got 3"),
+        (lambda: om.GradientSky([3]), r"stops\[0\] must be \(elevation, color\), got 3"),
+        (lambda: om.EnvironmentMap(3), "image must be a path or an array, got 3"),
+        (lambda: om.CustomSky("blue"), "color must be a texture"),
         (lambda: om.Scene(3), r"shape must be an om\.Shape, got 3"),
-        (lambda: om.Scene(BALL, sky=3), r"sky must be an om\.Sky, got 3"),
-        (lambda: om.Scene(BALL, lights=[3]), r"lights must be om\.DirectionalLight or om\.PointLight, got 3"),
+        (lambda: om.Scene(BALL, sky=3), r"sky must be a sky such as om\.Sky, got 3"),
+        (lambda: om.Scene(BALL, lights=[3]), r"lights must be lights such as om\.PointLight, got 3"),
         (lambda: om.Scene(BALL, lights=om.PointLight((0, 1, 0))), "lights must be a sequence of lights"),
     ],
 )

@@ -46,7 +46,7 @@ from octomarch.functions import (
     where,
 )
 from octomarch.image import Image
-from octomarch.lights import DirectionalLight, PointLight, Sky
+from octomarch.lights import DirectionalLight, PointLight, SpotLight
 from octomarch.machine import build_info, isas
 from octomarch.march import March, Status
 from octomarch.materials import Material
@@ -58,6 +58,7 @@ from octomarch.render import render
 from octomarch.scene import Scene
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
+from octomarch.skies import ConstantSky, CustomSky, EnvironmentMap, GradientSky, Sky
 from octomarch.solids import (
     capped_cone,
     cone,
@@ -75,8 +76,12 @@ __version__ = build_info()["version"]
 
 __all__ = [
     "Camera",
+    "ConstantSky",
+    "CustomSky",
     "DirectionalLight",
+    "EnvironmentMap",
     "Expression",
+    "GradientSky",
     "Hits",
     "Image",
     "March",
@@ -90,6 +95,7 @@ __all__ = [
     "Shading",
     "Shape",
     "Sky",
+    "SpotLight",
     "Status",
     "Texture",
     "__version__",

@@ -165,6 +165,7 @@ class Shading(metaclass=_Bound):
         occlusion_distance: float,
         bounces: int,
         reflection_cutoff: float,
+        reflection_offset: float,
     ) -> None: ...
     @property
     def normals(self) -> str: ...
@@ -182,6 +183,8 @@ class Shading(metaclass=_Bound):
     def bounces(self) -> int: ...
     @property
     def reflection_cutoff(self) -> float: ...
+    @property
+    def reflection_offset(self) -> float: ...
 
 @final
 class Scene(metaclass=_Bound):

@@ -178,6 +178,13 @@ def color(name: str, value: object) -> Vec3:
     return result
 
 
+def flag(name: str, value: object) -> bool:
+    """Return a truth value."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise TypeError(f"{name} must be True or False, got {shown(value)}")
+    return bool(value)
+
+
 def choice(name: str, value: object, options: Sequence[str | None]) -> Any:
     """Return `value` if it is one of `options`."""
     if value is not None and not isinstance(value, str):

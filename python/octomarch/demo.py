@@ -10,12 +10,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from octomarch.camera import Camera
-from octomarch.lights import DirectionalLight, PointLight, Sky
+from octomarch.lights import DirectionalLight, PointLight
 from octomarch.march import March
 from octomarch.materials import Material
 from octomarch.primitives import box, cylinder, plane, sphere
 from octomarch.scene import Scene
 from octomarch.shapes import Shape
+from octomarch.skies import Sky
 
 _MARCH = March(max_distance=1000.0)
 

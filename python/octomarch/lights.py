@@ -1,15 +1,14 @@
-"""Where light comes from: directional and point lights, and the sky that rays see when they hit nothing."""
+"""Where light comes from: directional, point and spot lights. `scene.Scene` takes them."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import TypeAlias
 
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import ColorLike, Vec3, VectorLike
-from octomarch.expressions import coordinates
-from octomarch.functions import dot, maximum
 
 
 @dataclass(frozen=True, init=False)
@@ -43,9 +42,7 @@ class DirectionalLight:
         check.set_fields(self, direction=check.vector("direction", direction), color=check.color("color", color))
 
     def _native(self) -> _core.Light:
-        return _core.Light(
-            "directional", check.direction("direction", self.direction), self.color, 0, (0.0, -1.0, 0.0), 1.0, 0.0
-        )
+        return _core.Light("directional", check.direction("direction", self.direction), self.color, 0, _DOWN, 1.0, 0.0)
 
 
 @dataclass(frozen=True, init=False)
@@ -86,60 +83,97 @@ class PointLight:
         )
 
     def _native(self) -> _core.Light:
-        return _core.Light("point", self.position, self.color, self.decay, (0.0, -1.0, 0.0), 1.0, 0.0)
-
-
-Light: TypeAlias = DirectionalLight | PointLight
+        return _core.Light("point", self.position, self.color, self.decay, _DOWN, 1.0, 0.0)
 
 
 @dataclass(frozen=True, init=False)
-class Sky:
-    """What a ray sees that hits nothing: ``toward * max(d·axis, 0) + away * max(-d·axis, 0) + base``.
-
-    ``d`` is the unit direction of the ray. The sky gives no light to surfaces; `Scene.ambient` stands for that.
+class SpotLight:
+    """Light from one point into a cone, weaker with the distance and towards the cone's edge.
 
     Parameters
     ----------
-    axis : sequence of three floats
-        Direction in which ``toward`` is seen, of any length but zero.
-    toward, away, base : float or sequence of three floats
-        Radiance along the axis, against it, and everywhere; linear RGB ≥ 0, one number means grey.
+    position : sequence of three floats
+        World frame, scene units.
+    target : sequence of three floats, optional
+        A point that the middle of the cone hits, not the light's own position. Either this or `direction`.
+    direction : sequence of three floats, optional
+        Where the middle of the cone points, of any length but zero.
+    color : float or sequence of three floats
+        Irradiance in the middle of the cone at a distance of one scene unit, linear RGB ≥ 0; one number means grey.
+    angle : float
+        Of the whole cone in degrees, from edge to edge, 1 to 180. Nothing is lit outside.
+    softness : float
+        Share of the cone's angle over which the light comes up from its edge, 0 (a hard edge) to 1 (up to its middle),
+        as the smoothstep of the angle's cosine.
+    decay : int
+        Irradiance falls as 1 / distance**decay: 2 as in nature, 1, or 0 for no fall at all.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is of a wrong type, not finite or negative, or the axis is zero.
+        If an argument is of a wrong type, not finite, or outside its range; if not exactly one of `target` and
+        `direction` is given.
 
     Examples
     --------
     >>> import octomarch as om
-    >>> om.Sky(toward=0, away=0, base=1).base
-    (1.0, 1.0, 1.0)
+    >>> lamp = om.SpotLight(position=(0, 4, 0), target=(1, 0, 0), color=40, angle=50)
+    >>> lamp.direction
+    (1.0, -4.0, 0.0)
     """
 
-    axis: Vec3
-    toward: Vec3
-    away: Vec3
-    base: Vec3
+    position: Vec3
+    direction: Vec3
+    color: Vec3
+    angle: float
+    softness: float
+    decay: int
 
     def __init__(
         self,
-        axis: VectorLike = (0.0, 1.0, 0.0),
-        toward: ColorLike = (0.05, 0.18, 0.40),
-        away: ColorLike = (0.02, 0.02, 0.02),
-        base: ColorLike = (0.40, 0.48, 0.58),
+        position: VectorLike,
+        target: VectorLike | None = None,
+        direction: VectorLike | None = None,
+        color: ColorLike = (1.0, 1.0, 1.0),
+        angle: float = 40.0,
+        softness: float = 0.2,
+        decay: int = 2,
     ) -> None:
-        check.direction("axis", axis)
+        width = check.finite("angle", angle)
+        if not 1 <= width <= 180:
+            raise ValueError(f"angle must lie in [1, 180], got {check.shown(angle)}")
+        start = check.point("position", position)
         check.set_fields(
             self,
-            axis=check.vector("axis", axis),
-            toward=check.color("toward", toward),
-            away=check.color("away", away),
-            base=check.color("base", base),
+            position=start,
+            direction=_aim(start, target, direction),
+            color=check.color("color", color),
+            angle=width,
+            softness=check.fraction("softness", softness),
+            decay=check.integer("decay", decay, 0, 2),
         )
 
-    def _native(self) -> _core.Sky:
-        along = dot(coordinates(), check.direction("axis", self.axis))
-        ahead, behind = maximum(along, 0.0), maximum(-along, 0.0)
-        channels = zip(self.toward, self.away, self.base, strict=True)
-        return _core.Sky([(ahead * a + behind * b + c)._node for a, b, c in channels])
+    def _native(self) -> _core.Light:
+        aim = check.direction("direction", self.direction)
+        half = math.radians(self.angle) / 2
+        inner = half * (1 - max(self.softness, _HARDEST))
+        return _core.Light("spot", self.position, self.color, self.decay, aim, math.cos(inner), math.cos(half))
+
+
+Light: TypeAlias = DirectionalLight | PointLight | SpotLight
+
+_HARDEST = 1e-3  # softness of a hard edge: in float32 the cosines of edge and middle must differ
+_DOWN: Vec3 = (0.0, -1.0, 0.0)
+
+
+def _aim(position: Vec3, target: VectorLike | None, direction: VectorLike | None) -> Vec3:
+    if (target is None) == (direction is None):
+        given = "none" if target is None else f"{check.shown(target)} and {check.shown(direction)}"
+        raise ValueError(f"target or direction must be given, one of them; got {given}")
+    if target is None:
+        check.direction("direction", direction)
+        return check.vector("direction", direction)
+    x, y, z = (there - here for here, there in zip(position, check.point("target", target), strict=True))
+    if x == y == z == 0:
+        raise ValueError(f"target must not be the light's position, got {check.shown(target)}")
+    return check.point("target, seen from position,", (x, y, z))

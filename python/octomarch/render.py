@@ -11,10 +11,13 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import Precision
 from octomarch.camera import AnyCamera, axes, or_framing
+from octomarch.expressions import Expression
 from octomarch.image import Image
 from octomarch.lights import DirectionalLight
 from octomarch.march import March
@@ -23,6 +26,7 @@ from octomarch.program import Program, compile
 from octomarch.scene import Scene
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
+from octomarch.textures import Texture
 
 Progress: TypeAlias = Callable[[int, int], None]
 
@@ -202,4 +206,12 @@ def _description(scene: Scene, program: Program) -> dict[str, Any]:
 
 
 def _fields(instance: Any) -> dict[str, Any]:
-    return {"type": type(instance).__name__, **dataclasses.asdict(instance)}
+    """Return a dataclass as plain data: expressions and textures as short text, pictures as their size."""
+    values = {f.name: getattr(instance, f.name) for f in dataclasses.fields(instance) if not f.name.startswith("_")}
+    return {"type": type(instance).__name__, **{name: _plain(value) for name, value in values.items()}}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, np.ndarray):
+        return f"{value.shape[1]} x {value.shape[0]} pixels"
+    return repr(value) if isinstance(value, (Expression, Texture)) else value

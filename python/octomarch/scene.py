@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import ColorLike, Vec3
-from octomarch.lights import DirectionalLight, Light, PointLight, Sky
+from octomarch.lights import DirectionalLight, Light, PointLight, SpotLight
 from octomarch.shapes import Shape
+from octomarch.skies import AnySky, Sky
 
 
 @dataclass(frozen=True, init=False)
@@ -20,11 +21,11 @@ class Scene:
     ----------
     shape : Shape
         All that can be seen; its paints are its materials.
-    sky : Sky
-        Seen by rays that hit nothing.
+    sky : Sky, ConstantSky, GradientSky, EnvironmentMap or CustomSky, optional
+        Seen by rays that hit nothing; None for ``Sky()``.
     ambient : float or sequence of three floats
         Light from all sides, linear RGB ≥ 0, dimmed by ambient occlusion; one number means grey.
-    lights : iterable of DirectionalLight or PointLight
+    lights : iterable of DirectionalLight, PointLight or SpotLight
         Kept as a tuple. Each costs a shadow ray for each point that it may reach.
 
     Raises
@@ -42,22 +43,22 @@ class Scene:
     """
 
     shape: Shape
-    sky: Sky
+    sky: AnySky
     ambient: Vec3
     lights: tuple[Light, ...]
 
     def __init__(
-        self, shape: Shape, sky: Sky | None = None, ambient: ColorLike = 0.1, lights: Iterable[Light] = ()
+        self, shape: Shape, sky: AnySky | None = None, ambient: ColorLike = 0.1, lights: Iterable[Light] = ()
     ) -> None:
         if not isinstance(shape, Shape):
             raise TypeError(f"shape must be an om.Shape, got {check.shown(shape)}")
         sky = Sky() if sky is None else sky
-        if not isinstance(sky, Sky):
-            raise TypeError(f"sky must be an om.Sky, got {check.shown(sky)}")
+        if not isinstance(sky, AnySky):
+            raise TypeError(f"sky must be a sky such as om.Sky, got {check.shown(sky)}")
         sources = check.sequence("lights", lights, "a sequence of lights")
         for light in sources:
-            if not isinstance(light, (DirectionalLight, PointLight)):
-                raise TypeError(f"lights must be om.DirectionalLight or om.PointLight, got {check.shown(light)}")
+            if not isinstance(light, (DirectionalLight, PointLight, SpotLight)):
+                raise TypeError(f"lights must be lights such as om.PointLight, got {check.shown(light)}")
         check.set_fields(self, shape=shape, sky=sky, ambient=check.color("ambient", ambient), lights=tuple(sources))
 
     def _native(self) -> _core.Scene:

@@ -32,6 +32,16 @@ Vector<T> central_differences(Evaluator<T>& field, const Vector<T>& p, T step) {
   return difference;
 }
 
+/// Differences along the axes made of samples at alternate corners of a cube.
+template <class T>
+Vector<T> tetrahedron_differences(Evaluator<T>& field, const Vector<T>& p, T step) {
+  const T a = field.distance(p + Vector<T>(step, -step, -step));
+  const T b = field.distance(p + Vector<T>(-step, -step, step));
+  const T c = field.distance(p + Vector<T>(-step, step, -step));
+  const T d = field.distance(p + Vector<T>(step, step, step));
+  return {(a - b) + (d - c), (c - a) + (d - b), (b - a) + (d - c)};
+}
+
 /// Minus the sum of unit vectors towards those corners, edges and faces of a cube around p that are inside.
 template <class T>
 Vector<T> away_from_inside(Evaluator<T>& field, const Vector<T>& p, T step) {
@@ -50,6 +60,7 @@ Vector<T> away_from_inside(Evaluator<T>& field, const Vector<T>& p, T step) {
 template <class T>
 Vector<T> slope_at(Evaluator<T>& field, const Vector<T>& p, const NormalRule<T>& rule) {
   if (field.is_solid()) return away_from_inside(field, p, rule.step);
+  if (rule.kind == Normals::kTetrahedron) return tetrahedron_differences(field, p, rule.step);
   return rule.kind == Normals::kCentral ? central_differences(field, p, rule.step) : field.gradient(p);
 }
 

@@ -92,7 +92,7 @@ typename Shader<T>::Finish Shader<T>::finish_of(const Surface<T>& surface) {
 template <class T>
 Ray<T> Shader<T>::mirrored(const Ray<T>& ray, const Arrival<T>& arrival, const Surface<T>& surface) const {
   const Vector<T> normal = facing_normal(surface.normal, ray.direction);
-  const T offset = std::max(T(0.001), T(2) * limits_.hit_epsilon(ray, arrival.t));
+  const T offset = std::max(T(shading_.reflection_offset), T(2) * limits_.hit_epsilon(ray, arrival.t));
   const Vector<T> direction = ray.direction - normal * (T(2) * glm::dot(ray.direction, normal));
   return {.origin = surface.position + normal * offset, .direction = glm::normalize(direction)};
 }

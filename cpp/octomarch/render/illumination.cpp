@@ -36,14 +36,19 @@ void Illumination<Real>::run(SurfacePass<Real>& surface, MaterialPass<Real>& mat
   }
 }
 
+/// Without ambient light there is nothing to dim, and where values are no distances no way to measure.
+template <class Real>
+bool Illumination<Real>::has_occlusion() const {
+  const bool dark = picture_.scene->ambient == Vec3{};
+  return picture_.shading.occlusion > 0 && !dark && !picture_.program->is_solid();
+}
+
 template <class Real>
 void Illumination<Real>::add_ambient(SurfacePass<Real>& surface, const VectorBuffer<Real>& albedo,
                                      const bool& cancelled, RenderStats& stats) {
   const Shading& shading = picture_.shading;
   const Vec3& ambient = picture_.scene->ambient;
-  const bool dark = ambient == Vec3{};
-  const bool has_distances = !picture_.program->is_solid();
-  if (shading.occlusion > 0 && has_distances && !dark) {
+  if (has_occlusion()) {
     LoadedTape<Real>& field = surface.field();
     kernels_.occlusion(field.view(), field.memory(), surface.view(), shading.occlusion,
                        clamped<Real>(shading.occlusion_distance), &cancelled, ambient_.data());

@@ -14,13 +14,17 @@ class Illumination {
  public:
   Illumination(const Picture& picture, const kernels::KernelTable<Real>& kernels, std::size_t size);
 
-  /// Sums the colour of every point of `surface`, whose normals and materials are known.
+  /// Does the scene have lights, or ambient light with occlusion?
+  bool needs_normals() const { return has_occlusion() || !picture_.scene->lights.empty(); }
+
+  /// Sums the colour of every point of `surface`, whose materials, and normals where they are needed, are known.
   void run(SurfacePass<Real>& surface, MaterialPass<Real>& materials, const bool& cancelled, RenderStats& stats);
 
   /// The colour of every surface point.
   const VectorBuffer<Real>& color() const { return color_; }
 
  private:
+  bool has_occlusion() const;
   void add_ambient(SurfacePass<Real>& surface, const VectorBuffer<Real>& albedo, const bool& cancelled,
                    RenderStats& stats);
   void cast_shadows(SurfacePass<Real>& surface, const Light& light, const bool& cancelled, RenderStats& stats);

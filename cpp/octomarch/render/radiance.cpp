@@ -13,6 +13,8 @@ Radiance<Real>::Radiance(const Picture& picture, const Expressions& sky, const k
       materials_(*picture.program, kernels, size),
       illumination_(picture, kernels, size),
       sky_(sky, kernels, size),
+      needs_normals_(illumination_.needs_normals() || picture.program->surface().uses_normal() ||
+                     (materials_.reflects() && picture.shading.bounces > 0)),
       root_(size),
       share_(size) {}
 

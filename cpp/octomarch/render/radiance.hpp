@@ -20,8 +20,11 @@ class Radiance {
   /// `sky`: the scene's, compiled; must outlive this.
   Radiance(const Picture& picture, const Expressions& sky, const kernels::KernelTable<Real>& kernels, std::size_t size);
 
+  /// Does anything look at normals: lights, occlusion, mirrors or materials? Else only candidates do, which may face away.
+  bool needs_normals() const { return needs_normals_; }
+
   /// Sets color[i] of each of `count` rays to what it sees, mirrors apart. `surface` holds the surface points of the
-  /// batch with their normals.
+  /// batch, with normals where they are needed.
   void light(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count, SurfacePass<Real>& surface,
              const bool& cancelled, RenderStats& stats);
 
@@ -51,6 +54,7 @@ class Radiance {
   MaterialPass<Real> materials_;
   Illumination<Real> illumination_;
   SkyPass<Real> sky_;
+  bool needs_normals_;
   int bounces_left_ = 0;
   // of each ray of the current wave: the ray of the batch to which its light goes, and its share in that
   std::vector<std::size_t> root_;

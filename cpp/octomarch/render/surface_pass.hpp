@@ -31,6 +31,8 @@ class SurfacePass {
   /// Did the march find surface point i, or only a candidate?
   Status status(std::size_t i) const { return status_[i]; }
   std::int32_t object(std::size_t i) const { return static_cast<std::int32_t>(object_[i]); }
+  /// Is any surface point only a candidate?
+  bool has_candidates() const { return std::ranges::find(status_, Status::kStepLimit) != status_.end(); }
   /// Is surface point i a candidate whose surface faces away? Then the ray sees none. Normals must be known.
   bool is_nothing(std::size_t i) const {
     const Real away = normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i];

@@ -154,8 +154,8 @@ void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& p
   if (needs_surface()) {
     clear(tile);
     surface_->gather(batch_, columns_, rays_);
-    if (planes_.color || planes_.normal)
-      stats_.gradient_evaluations += surface_->find_normals(picture_.shading, cancelled);
+    const bool lit = planes_.color && (radiance_->needs_normals() || surface_->has_candidates());
+    if (lit || planes_.normal) stats_.gradient_evaluations += surface_->find_normals(picture_.shading, cancelled);
     if (planes_.object_id || planes_.material_id) stats_.attribute_evaluations += surface_->find_objects(cancelled);
     write_surfaces(tile);
   }
