@@ -407,7 +407,7 @@ _UFUNCS: dict[np.ufunc, Callable[..., Any]] = {
     np.arctan2: _named("atan2"),
     np.minimum: _named("minimum"),
     np.maximum: _named("maximum"),
-    np.hypot: lambda x, y: apply("sqrt", x * x + y * y),
+    np.hypot: lambda x, y: apply("sqrt", apply("add", apply("multiply", x, x), apply("multiply", y, y))),
     np.less: operator.lt,
     np.less_equal: operator.le,
     np.greater: operator.gt,

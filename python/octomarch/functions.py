@@ -148,8 +148,8 @@ def sqrt(x: ExpressionLike) -> Expression:
 def power(base: ExpressionLike, exponent: ExpressionLike) -> Expression:
     """Return ``base ** exponent``.
 
-    A whole number of at most ±64 as exponent makes products, right for any base; any other takes logarithms, for which
-    a base below 0 counts as 0.
+    A whole number of at most ±64 as exponent makes products; any other takes logarithms, where a base below 0 has powers
+    with whole exponents only.
 
     Examples
     --------
@@ -473,7 +473,8 @@ def noise(x: ExpressionLike, y: ExpressionLike, z: ExpressionLike, *, seed: int 
     True
     """
     point = (operand("x", x), operand("y", y), operand("z", z))
-    return Expression(_core.noise(*point, check.integer("seed", seed, 0)))
+    # a seed moves the lattice along z: far, so that seeds next to each other have nothing in common
+    return Expression(_core.noise(*point, check.integer("seed", seed, 0) * 179 % 289))
 
 
 def fractal_noise(
