@@ -20,8 +20,8 @@ import octomarch as om
 Array = NDArray[np.float64]
 
 FUNCTION_ROUNDINGS = 4
-"""Error of a transcendental function, in unit roundoffs of its result: those in ops/math.hpp are within 1.5 units in the
-last place, which are up to two roundoffs each."""
+"""Error of a transcendental function, in unit roundoffs of its result: those in ops/math.hpp are within 1.5 units in
+the last place, which are up to two roundoffs each."""
 LARGEST = 1e30
 """Beyond this float32 overflows in the next products."""
 SMALLEST = 1e-30

@@ -148,8 +148,8 @@ def sqrt(x: ExpressionLike) -> Expression:
 def power(base: ExpressionLike, exponent: ExpressionLike) -> Expression:
     """Return ``base ** exponent``.
 
-    A whole number of at most ±64 as exponent makes products; any other takes logarithms, where a base below 0 has powers
-    with whole exponents only.
+    A whole number of at most ±64 as exponent makes products; any other takes logarithms, where a base below 0 has
+    powers with whole exponents only.
 
     Examples
     --------
