@@ -7,6 +7,7 @@
 #include "octomarch/base/hash.hpp"
 #include "octomarch/graph/analysis.hpp"
 #include "octomarch/program/axes.hpp"
+#include "octomarch/program/placed_normal.hpp"
 
 namespace octomarch {
 
@@ -149,10 +150,7 @@ Placement bent_placement(const Placement& parent, const Node& node, DataFlow& fl
   child.frame = own_axes(parent, flow);
   child.scale = parent.scale;
   child.material = parent.material;
-  if (parent.normal[0] != kNoNormal) {
-    const Coordinates own = own_coordinates(parent, flow);
-    child.normal = {own[3], own[4], own[5]};
-  }
+  const std::array<ValueId, 3> own = child.frame;
   const double s = parent.scale;
   const auto p = node.parameters();
   std::array<ValueId, 3>& frame = child.frame;
@@ -196,6 +194,10 @@ Placement bent_placement(const Placement& parent, const Node& node, DataFlow& fl
     default:  // kExtrude: its child is flat
       frame[2] = flow.constant(0.0);
       break;
+  }
+  if (parent.normal[0] != kNoNormal) {
+    const Coordinates coordinates = own_coordinates(parent, flow);
+    child.normal = bent_normal(node, s, {coordinates[3], coordinates[4], coordinates[5]}, own, frame, flow);
   }
   return child;
 }
