@@ -203,7 +203,7 @@ class Lowering {
       case NodeKind::kExtrude:
         return flow_.emit(Opcode::kExtrude, {{inner, own_axes(placement, flow_)[2]}}, {{node.parameter(0) * s}});
       case NodeKind::kTwist:
-      case NodeKind::kBend: return flow_.emit(Opcode::kIntersection, {{inner, emit_cut(node, placement, flow_)}});
+      case NodeKind::kBend: return flow_.emit(Opcode::kIntersection, {{emit_cut(node, placement, flow_), inner}});
       default: return inner;
     }
   }
@@ -217,7 +217,8 @@ class Lowering {
     return flow_.emit(Opcode::kMultiply, {{value, flow_.constant(scale)}});
   }
 
-  /// The user's own field; where it has bounds, points are held in them and the shape is cut there.
+  /// The user's own field; where it has bounds, points are held in them and the shape is cut there. In this order a NaN
+  /// of the field is kept.
   ValueId lower_field(const Node& node, const Placement& placement) {
     const auto p = node.parameters();
     Coordinates coordinates = own_coordinates(placement, flow_);
@@ -231,7 +232,7 @@ class Lowering {
     }
     const ValueId value = expressions_.lower(node.child(0), inside, flow_);
     if (inside == coordinates) return scaled(value, placement.scale);
-    return scaled(flow_.emit(Opcode::kIntersection, {{value, emit_bounds(p, coordinates)}}), placement.scale);
+    return scaled(flow_.emit(Opcode::kIntersection, {{emit_bounds(p, coordinates), value}}), placement.scale);
   }
 
   /// Exact distance of the box of a kField node, of which only the bounded axes count.

@@ -79,14 +79,15 @@ Sample<T> exponential_minimum(const Sample<T>& a, const Sample<T>& b, T k) {
   return result;
 }
 
-/// Cuts `sample` to the inside of a wall, max(sample, wall), which changes nothing of what the surface is made of. Of equal
-/// ones the wall counts, if it has a gradient.
+/// Cuts `sample` to the inside of a wall, max(wall, sample), which changes nothing of what the surface is made of. Of equal
+/// ones the wall counts where only it has a gradient; a NaN is kept.
 template <class T>
 void cut(Sample<T>& sample, const Jet<T>& wall) {
-  if (wall.value < sample.value || (wall.value == sample.value && wall.gradient == Vector<T>(0))) return;
-  if (std::isnan(sample.value)) return;
-  sample.value = wall.value;
-  sample.gradient = wall.gradient;
+  const bool tie = wall.value == sample.value && sample.gradient == Vector<T>(0);
+  if (wall.value > sample.value || tie) {
+    sample.value = wall.value;
+    sample.gradient = wall.gradient;
+  }
 }
 
 }  // namespace octomarch::reference
