@@ -164,11 +164,11 @@ def noise(p: Array, seed: int) -> Array:
 @pytest.mark.parametrize("seed", [0, 1, 288, 1000])
 def test_noise_is_that_of_the_definition(seed: int):
     points = np.random.default_rng(seed).normal(scale=200, size=(2000, 3)).astype(np.float32).astype(np.float64)
-    expression = om.noise(X, Y, Z, seed=seed)
-    assert_allclose(value(expression, points), noise(points, seed), rtol=0, atol=ROUNDING)
-    assert_allclose(value(expression, points, "float32"), noise(points, seed), rtol=0, atol=ROUNDING32)
+    expression, expected = om.noise(X, Y, Z, seed=seed), noise(points, seed * 179 % 289)  # seeds are spread out
+    assert_allclose(value(expression, points), expected, rtol=0, atol=ROUNDING)
+    assert_allclose(value(expression, points, "float32"), expected, rtol=0, atol=ROUNDING32)
     assert_array_equal(value(expression, np.floor(points)), 0)
-    assert np.abs(noise(points, seed)).max() > 0.7
+    assert np.abs(expected).max() > 0.7
 
 
 def test_noise_far_away_is_a_number():
