@@ -57,6 +57,7 @@ sphinx_gallery_conf = {
     "examples_dirs": "../examples/gallery",
     "gallery_dirs": "gallery",
     "filename_pattern": r"\.py$",
+    "ignore_pattern": r"/_",  # scenes that several pictures share
     "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("gallery_pictures.saved_picture",),
     "reset_modules": (),

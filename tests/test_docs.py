@@ -16,7 +16,7 @@ import pytest
 import octomarch as om
 
 ROOT = Path(__file__).parents[1]
-GALLERY = sorted((ROOT / "examples" / "gallery").glob("*.py"))
+GALLERY = sorted((ROOT / "examples" / "gallery").glob("[0-9]*.py"))
 PAGES = sorted([ROOT / "docs" / "index.md", *(ROOT / "docs" / "guide").glob("*.md")])
 LINES_AT_MOST = 40
 

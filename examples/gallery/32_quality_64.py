@@ -1,0 +1,15 @@
+"""
+Quality: 64 steps
+=================
+
+The wall of towers, seen along it, with 64 steps per ray at the most.
+"""
+
+import sys
+
+from _quality import CAMERA, street
+
+import octomarch as om
+
+image = om.render(street(), CAMERA, march=om.March(max_steps=64))
+image.save(sys.argv[1] if sys.argv[1:] else "quality_64.png")

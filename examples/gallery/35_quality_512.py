@@ -1,0 +1,15 @@
+"""
+Quality: 512 steps
+==================
+
+The wall of towers, seen along it, with 512 steps per ray at the most.
+"""
+
+import sys
+
+from _quality import CAMERA, street
+
+import octomarch as om
+
+image = om.render(street(), CAMERA, march=om.March(max_steps=512))
+image.save(sys.argv[1] if sys.argv[1:] else "quality_512.png")

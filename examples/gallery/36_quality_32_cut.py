@@ -1,0 +1,15 @@
+"""
+Quality: 32 steps, 60 units
+===========================
+
+The same with 32 steps, and no farther than 60 units.
+"""
+
+import sys
+
+from _quality import CAMERA, street
+
+import octomarch as om
+
+image = om.render(street(), CAMERA, march=om.March(max_steps=32, max_distance=60))
+image.save(sys.argv[1] if sys.argv[1:] else "quality_32_cut.png")

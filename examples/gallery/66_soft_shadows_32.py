@@ -1,0 +1,17 @@
+"""
+Soft shadows, k = 32
+====================
+
+A good value: sharp at the contact, soft far from it.
+"""
+
+import sys
+
+from _still_life import CAMERA, LAMP, still_life
+
+import octomarch as om
+
+scene = om.Scene(still_life(), ambient=0.35, lights=[LAMP])
+
+image = om.render(scene, CAMERA, shading=om.Shading(shadow_k=32))
+image.save(sys.argv[1] if sys.argv[1:] else "soft_shadows_32.png")
