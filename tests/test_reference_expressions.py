@@ -126,6 +126,16 @@ def test_gradients_are_limits_of_differences(name: str):
     assert_allclose(found[smooth], ((ahead - behind) / (2 * STEP))[smooth], rtol=1e-6, atol=1e-8)
 
 
+def test_depth_has_no_limit_and_shared_parts_are_evaluated_once():
+    deep, shared = X, X
+    for _ in range(50_000):
+        deep = deep + 0.25
+    for _ in range(60):  # unfolds to 2**60 coordinates
+        shared = 0.5 * shared + 0.5 * shared
+    assert value(deep, np.array([[1.0, 0, 0]])) == 12_501
+    assert value(shared, np.array([[0.75, 0, 0]])) == 0.75
+
+
 def test_gradients_where_there_is_none_are_those_of_a_side_or_zero():
     def slope(expression: om.Expression, point: tuple[float, ...]) -> list[float]:
         return om.reference.gradient(om.field(expression, lipschitz=1), point).tolist()
