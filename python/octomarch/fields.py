@@ -66,8 +66,8 @@ def field(
 def solid(condition: ExpressionLike) -> Shape:
     """Return a shape of which only inside and outside are known: the points where the condition holds.
 
-    Such a shape has no distances, so only a march of fixed steps finds it, ``om.March(method="fixed")``; parts thinner
-    than a step may be missed.
+    Such a shape has no distances: its field is the smallest number there is, positive outside and negative inside. Only
+    a march of fixed steps finds it, and parts thinner than a step may be missed.
 
     Parameters
     ----------

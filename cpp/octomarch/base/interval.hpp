@@ -7,7 +7,10 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
 #include "octomarch/base/types.hpp"
 
@@ -39,8 +42,14 @@ class Interval {
 
 namespace rounding {
 
-inline double below(double value) { return std::nextafter(value, -kInfinity); }
-inline double above(double value) { return std::nextafter(value, kInfinity); }
+/// The next number, as std::nextafter, which is a call that costs more than the arithmetic around it.
+inline double above(double value) {
+  if (value == 0.0) return std::numeric_limits<double>::denorm_min();
+  if (value == kInfinity) return value;
+  return std::bit_cast<double>(std::bit_cast<std::int64_t>(value) + (value > 0.0 ? 1 : -1));
+}
+
+inline double below(double value) { return -above(-value); }
 
 /// Below this the error of a product or quotient may itself be lost to underflow.
 inline constexpr double kTrusted = 0x1p-960;
