@@ -183,7 +183,7 @@ def test_march_resolves_max_distance_from_the_bounds():
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"method": "relaxed"}, ValueError, "method must be one of 'plain', got 'relaxed'"),
+        ({"method": "relaxed"}, ValueError, "method must be one of 'plain', 'fixed', got 'relaxed'"),
         ({"method": None}, ValueError, "method"),
         ({"max_steps": 0}, ValueError, "max_steps must lie in"),
         ({"max_steps": 2.0}, TypeError, "max_steps must be an integer, got 2.0"),
@@ -192,6 +192,17 @@ def test_march_resolves_max_distance_from_the_bounds():
         ({"pixel_tolerance": -1}, ValueError, "pixel_tolerance"),
         ({"max_distance": 0}, ValueError, "max_distance must be > 0, got 0"),
         ({"max_distance": np.inf}, ValueError, "max_distance must be finite"),
+        ({"min_distance": -1}, ValueError, "min_distance must be ≥ 0, got -1"),
+        ({"min_distance": "near"}, TypeError, "min_distance must be a number"),
+        (
+            {"min_distance": 2, "max_distance": 2.0},
+            ValueError,
+            "min_distance must be less than max_distance 2.0, got 2",
+        ),
+        ({"bias": -0.1}, ValueError, "bias must be ≥ 0, got -0.1"),
+        ({"bias": np.inf}, ValueError, "bias must be finite, got inf"),
+        ({"method": "fixed", "step": 0}, ValueError, "step must be > 0, got 0"),
+        ({"step": 0.1}, ValueError, "step must be None unless method is 'fixed', got 0.1"),
         ({"finish": "newton"}, ValueError, "finish must be one of 'secant', None, got 'newton'"),
     ],
 )

@@ -140,8 +140,19 @@ class Camera(metaclass=_Bound):
 @final
 class March(metaclass=_Bound):
     def __init__(
-        self, max_steps: int, epsilon: float, pixel_tolerance: float, max_distance: float, secant_finish: bool
+        self,
+        method: str,
+        max_steps: int,
+        epsilon: float,
+        pixel_tolerance: float,
+        max_distance: float,
+        min_distance: float,
+        bias: float,
+        step: float,
+        finish: bool,
     ) -> None: ...
+    @property
+    def method(self) -> str: ...
     @property
     def max_steps(self) -> int: ...
     @property
@@ -151,7 +162,13 @@ class March(metaclass=_Bound):
     @property
     def max_distance(self) -> float: ...
     @property
-    def secant_finish(self) -> bool: ...
+    def min_distance(self) -> float: ...
+    @property
+    def bias(self) -> float: ...
+    @property
+    def step(self) -> float: ...
+    @property
+    def finish(self) -> bool: ...
 
 @final
 class Shading(metaclass=_Bound):

@@ -52,7 +52,8 @@ class Image:
     """Linear RGB (height, width, 3). Rays that start inside are black, and so are invalid ones; a ray that ran out of
     steps over a surface that faces away shows the sky."""
     depth: Floats
-    """Distance along the ray (height, width) in scene units; +inf where nothing is met."""
+    """Distance along the ray (height, width) in scene units; +inf where nothing is met, and the march's min_distance
+    where the ray begins inside."""
     position: Floats
     """Points met (height, width, 3), world frame; 0 where nothing is met."""
     normal: Floats

@@ -6,8 +6,9 @@ queries, renders and the reference alike.
 
 from __future__ import annotations
 
+import math
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 from typing import Literal, TypeAlias
 
@@ -18,8 +19,9 @@ from octomarch import _core
 from octomarch import _validate as check
 from octomarch.program import Program
 
-Method: TypeAlias = Literal["plain"]
-_METHODS = ("plain",)
+Method: TypeAlias = Literal["plain", "fixed"]
+_METHODS = ("plain", "fixed")
+_PLAIN_STEPS = 256
 
 
 class Status(IntEnum):
@@ -37,27 +39,31 @@ class Status(IntEnum):
     MISS = 1
     """The farthest distance was passed; t is +inf."""
     STEP_LIMIT = 2
-    """All steps were spent; t is the best candidate, and no surface lies before it."""
+    """All steps were spent; t is the best candidate. No surface lies before it, but what fixed steps have missed."""
     INSIDE = 3
-    """The ray starts in the solid, or nearer than epsilon to it; t is 0."""
+    """The ray begins in the solid, or nearer than epsilon to it; t is min_distance, 0 by default."""
     INVALID = 4
     """The field is NaN, or the ray's origin or direction is not finite or its direction zero; t is +inf."""
 
 
 @dataclass(frozen=True, init=False)
 class March:
-    """Settings of the march along a ray: sphere tracing [1]_.
+    """Settings of the march along a ray: sphere tracing [1]_, or fixed steps.
 
-    A ray has hit when the field, divided by its Lipschitz bound, is less than the *hit epsilon*
+    Let r be the field divided by its Lipschitz bound. A ray has hit when r is at most the *hit epsilon*
     ``max(epsilon, 16 u max(|origin|, t), pixel_tolerance * pixel_radius(t))``, where u is the unit roundoff of the
-    precision and the pixel radius is half the height of a pixel at t (0 for queries).
+    precision and the pixel radius is half the height of a pixel at t (0 for queries). With fixed steps it has hit when
+    r is at most 0: when a sample lies in the solid.
 
     Parameters
     ----------
-    method : {"plain"}
-        Each step is the field divided by its Lipschitz bound.
-    max_steps : int
-        Evaluations per ray at the most, ≥ 1. Rays that spend them all end as `Status.STEP_LIMIT`.
+    method : {"plain", "fixed"}
+        Of ``"plain"``, sphere tracing, each step is r. Of ``"fixed"`` it is ``max(r, step)``, or the hit epsilon where
+        that is more. It also finds solids whose field says no more than inside and outside, and may miss what is
+        thinner than a step.
+    max_steps : int, optional
+        Evaluations per ray at the most, ≥ 1. Rays that spend them all end as `Status.STEP_LIMIT`. None: 256; with fixed
+        steps as many as may be needed from ``min_distance`` to ``max_distance``.
     epsilon : float, optional
         Absolute hit epsilon in scene units, ≥ 0. None: 1e-6 of the scene's size for renders, 1e-5 for queries, which
         have no pixels to go by.
@@ -66,15 +72,26 @@ class March:
     max_distance : float, optional
         Farthest distance marched, > 0, in scene units. None: where everything is bounded, enough to pass all of it
         from the eye or any origin; else 1000 times the scene's size, or its distance from the eye if that is more.
+    min_distance : float
+        Where t begins, ≥ 0 and less than ``max_distance``, in scene units. Rays that begin in the solid are
+        `Status.INSIDE`. Shadow and mirror rays begin at their surface nonetheless.
     finish : {"secant"}, optional
         Refine a hit by the secant through the last two samples. One more evaluation per hit, not counted in the plane
         ``steps``, checks the result: where more than a sixteenth of the hit epsilon is left, the hit stays where it
-        was. None: do not refine.
+        was. With fixed steps, where a field need not have a slope, ten more evaluations per hit halve the last step
+        instead; the hit is the end that lies outside. None: do not refine.
+    bias : float
+        By how much each step stays short of r, ≥ 0, in scene units: for fields that say a little more than their
+        distance. Plain steps become ``max(r - bias, r / 2)``, so that rays always get on; fixed ones
+        ``max(r - bias, step)``.
+    step : float, optional
+        Least length of fixed steps, > 0, in scene units. None: 1e-3 of the scene's size.
 
     Raises
     ------
     TypeError, ValueError
-        If an argument is of a wrong type or outside its range; an unknown name is answered with those there are.
+        If an argument is of a wrong type or outside its range, or there is a `step` although steps are not fixed; an
+        unknown name is answered with those there are.
 
     Notes
     -----
@@ -90,33 +107,50 @@ class March:
     >>> march = om.March(max_steps=64, epsilon=1e-4)
     >>> int(om.sphere(1.0).raycast([0, 0, 3], [0, 0, -1], march=march).steps)
     2
+    >>> fixed = om.March("fixed", step=0.01, min_distance=0.5)
+    >>> round(float(om.sphere(1.0).raycast([0, 0, 3], [0, 0, -1], march=fixed).t), 4)
+    2.0
     """
 
     method: Method
-    max_steps: int
+    max_steps: int | None
     epsilon: float | None
     pixel_tolerance: float
     max_distance: float | None
+    min_distance: float
     finish: Literal["secant"] | None
+    bias: float
+    step: float | None
 
     def __init__(
         self,
         method: Method = "plain",
-        max_steps: int = 256,
+        max_steps: int | None = None,
         epsilon: float | None = None,
         pixel_tolerance: float = 0.1,
         max_distance: float | None = None,
+        min_distance: float = 0.0,
         finish: Literal["secant"] | None = "secant",
+        bias: float = 0.0,
+        step: float | None = None,
     ) -> None:
         check.set_fields(
             self,
             method=check.choice("method", method, _METHODS),
-            max_steps=check.integer("max_steps", max_steps, 1),
+            max_steps=None if max_steps is None else check.integer("max_steps", max_steps, 1),
             epsilon=None if epsilon is None else check.non_negative("epsilon", epsilon),
             pixel_tolerance=check.non_negative("pixel_tolerance", pixel_tolerance),
             max_distance=None if max_distance is None else check.positive("max_distance", max_distance),
+            min_distance=check.non_negative("min_distance", min_distance),
             finish=check.choice("finish", finish, ("secant", None)),
+            bias=check.non_negative("bias", bias),
+            step=None if step is None else check.positive("step", step),
         )
+        if self.max_distance is not None and self.min_distance >= self.max_distance:
+            limit = f"max_distance {check.shown(max_distance)}"
+            raise ValueError(f"min_distance must be less than {limit}, got {check.shown(min_distance)}")
+        if step is not None and method != "fixed":
+            raise ValueError(f"step must be None unless method is 'fixed', got {check.shown(step)}")
 
     def resolve(self, program: Program, origins: ArrayLike, *, pixels: bool = True) -> March:
         """Return these settings with every None replaced by its number.
@@ -133,7 +167,7 @@ class March:
         Returns
         -------
         March
-            With numbers for ``epsilon`` and ``max_distance``.
+            With numbers for ``max_steps``, ``epsilon``, ``max_distance`` and, where steps are fixed, ``step``.
 
         Examples
         --------
@@ -142,20 +176,41 @@ class March:
         >>> round(march.max_distance, 2)
         3.57
         """
-        epsilon, max_distance = self.epsilon, self.max_distance
+        epsilon, max_distance, step, max_steps = self.epsilon, self.max_distance, self.step, self.max_steps
         if epsilon is None:
             epsilon = (1e-6 if pixels else 1e-5) * program.size
         if max_distance is None:
             max_distance = _reach(program, check.points("origins", origins).reshape(-1, 3))
-        return March(self.method, self.max_steps, epsilon, self.pixel_tolerance, max_distance, self.finish)
+            max_distance = max(max_distance, math.nextafter(self.min_distance, math.inf))
+        if step is None and self.method == "fixed":
+            step = 1e-3 * program.size
+        if max_steps is None:
+            max_steps = _PLAIN_STEPS if step is None else _steps_to_pass(max_distance - self.min_distance, step)
+        return replace(self, epsilon=epsilon, max_distance=max_distance, step=step, max_steps=max_steps)
 
     def _native(self) -> _core.March:
         """Convert settings that `resolve` has filled."""
-        if self.epsilon is None or self.max_distance is None:
+        if self.max_steps is None or self.epsilon is None or self.max_distance is None:
             raise ValueError("march must be resolved first: see March.resolve")
         return _core.March(
-            self.max_steps, self.epsilon, self.pixel_tolerance, self.max_distance, self.finish == "secant"
+            self.method,
+            self.max_steps,
+            self.epsilon,
+            self.pixel_tolerance,
+            self.max_distance,
+            self.min_distance,
+            self.bias,
+            self.step or 1.0,  # plain marches have none
+            self.finish is not None,
         )
+
+
+def _steps_to_pass(distance: float, step: float) -> int:
+    """Return how many evaluations pass a distance in fixed steps.
+
+    A step is eight units in the last place of t at the least, of which an addition may lose half of one.
+    """
+    return int(min(math.ceil(16 / 15 * distance / step) + 2, 2**31 - 1))
 
 
 def _reach(program: Program, origins: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> float:

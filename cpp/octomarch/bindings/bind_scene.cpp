@@ -22,6 +22,7 @@ constexpr Names<LightKind, 3> kLights{
 constexpr Names<CameraKind, 3> kCameras{{{"perspective", CameraKind::kPerspective},
                                          {"orthographic", CameraKind::kOrthographic},
                                          {"panoramic", CameraKind::kPanoramic}}};
+constexpr Names<Method, 2> kMethods{{{"plain", Method::kPlain}, {"fixed", Method::kFixed}}};
 constexpr Names<Normals, 3> kNormals{
     {{"exact", Normals::kExact}, {"central", Normals::kCentral}, {"tetrahedron", Normals::kTetrahedron}}};
 constexpr Names<Shadows, 3> kShadows{{{"none", Shadows::kNone}, {"hard", Shadows::kHard}, {"soft", Shadows::kSoft}}};
@@ -82,16 +83,29 @@ void register_camera(py::module_& module) {
 
 void register_settings(py::module_& module) {
   py::class_<March>(module, "March", py::is_final())
-      .def(py::init([](int max_steps, double epsilon, double pixel_tolerance, double max_distance, bool secant_finish) {
-             return March{max_steps, epsilon, pixel_tolerance, max_distance, secant_finish};
+      .def(py::init([](const std::string& method, int max_steps, double epsilon, double pixel_tolerance,
+                       double max_distance, double min_distance, double bias, double step, bool finish) {
+             return March{parse("method", method, kMethods),
+                          max_steps,
+                          epsilon,
+                          pixel_tolerance,
+                          max_distance,
+                          min_distance,
+                          bias,
+                          step,
+                          finish};
            }),
-           py::arg("max_steps"), py::arg("epsilon"), py::arg("pixel_tolerance"), py::arg("max_distance"),
-           py::arg("secant_finish"))
+           py::arg("method"), py::arg("max_steps"), py::arg("epsilon"), py::arg("pixel_tolerance"),
+           py::arg("max_distance"), py::arg("min_distance"), py::arg("bias"), py::arg("step"), py::arg("finish"))
+      .def_property_readonly("method", name_of(&March::method, kMethods))
       .def_readonly("max_steps", &March::max_steps)
       .def_readonly("epsilon", &March::epsilon)
       .def_readonly("pixel_tolerance", &March::pixel_tolerance)
       .def_readonly("max_distance", &March::max_distance)
-      .def_readonly("secant_finish", &March::secant_finish);
+      .def_readonly("min_distance", &March::min_distance)
+      .def_readonly("bias", &March::bias)
+      .def_readonly("step", &March::step)
+      .def_readonly("finish", &March::finish);
   py::class_<Shading>(module, "Shading", py::is_final())
       .def(py::init([](const std::string& normals, double normal_step, const std::string& shadows, double shadow_k,
                        int occlusion, double occlusion_distance, int bounces, double reflection_cutoff,

@@ -85,16 +85,32 @@ struct Crop {
   std::uint32_t width, height;
 };
 
-/// How rays are marched. `hit epsilon` at parameter t of a ray with origin o, the same for every marcher:
+enum class Method : std::uint8_t { kPlain, kFixed };
+
+/// How rays are marched; r is the field over its Lipschitz bound. Plain: a ray has hit where r ≤ eps(t), else it goes on
+/// by r, or with a bias by max(r − bias, r/2). Fixed: it has hit where r ≤ 0, else it goes on by
+/// max(r − bias, step, eps(t)). `hit epsilon` at parameter t of a ray with origin o, the same for every marcher:
 ///   eps(t) = max(epsilon, 16u·max(|o|∞, t), pixel_tolerance·pixel_radius(t)),
 /// u = 2⁻²⁴ in float, 2⁻⁵³ in double: at least four units in the last place of |p|∞ and of t, since |p|∞ ≤ |o|∞ + t.
-/// pixel_radius(t) is half the height of a pixel at parameter t (0 for queries, where there is no pixel).
+/// pixel_radius(t) is half the height of a pixel at parameter t (0 for queries, where there is no pixel). Where steps are
+/// fixed, a step's accuracy() stands in for a smaller epsilon, so that rays that leave a surface leave it.
 struct March {
+  Method method = Method::kPlain;
   int max_steps = 256;           ///< evaluations per ray at the most, ≥ 1
   double epsilon = 1e-4;         ///< absolute, scene units, ≥ 0
   double pixel_tolerance = 0.1;  ///< in pixel radii, ≥ 0
   double max_distance = 1e3;     ///< farthest t, > 0
-  bool secant_finish = true;     ///< refine a hit by the secant through the last two samples, unless it leaves eps/16
+  double min_distance = 0.0;     ///< where t begins, ≥ 0
+  double bias = 0.0;             ///< by how much a step stays short of the field, ≥ 0
+  double step = 1e-3;            ///< least step, > 0; fixed only
+  /// Refine hits. Plain: by the secant through the last two samples, unless it leaves eps/16. Fixed: by ten halvings of
+  /// the last step.
+  bool finish = true;
+
+  /// How far off hits of fixed steps lie; else 0.
+  double accuracy() const { return method == Method::kPlain ? 0.0 : (finish ? step / 1024.0 : step); }
+  /// The absolute part of the hit epsilon.
+  double least_epsilon() const { return epsilon > accuracy() ? epsilon : accuracy(); }
 };
 
 enum class Normals : std::uint8_t { kExact, kCentral, kTetrahedron };
@@ -117,7 +133,7 @@ enum class Status : std::uint8_t {
   kHit = 0,
   kMiss = 1,
   kStepLimit = 2,  ///< max_steps spent; t is the candidate: no surface lies before it
-  kInside = 3,     ///< origin in the solid, or nearer than epsilon to it; t = 0
+  kInside = 3,     ///< the ray begins in the solid, or nearer than epsilon to it; t = min_distance
   kInvalid = 4,    ///< NaN field, or a direction that is zero or not finite
 };
 

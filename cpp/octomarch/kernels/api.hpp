@@ -49,7 +49,7 @@ struct Vectors {
   Real* z;
 };
 
-/// Rays o + t·d, d of unit length, searched on [0, t_max]; eps(t) = max(epsilon, slope·t). A ray whose origin or
+/// Rays o + t·d, d of unit length, searched on [t_min, t_max]; eps(t) = max(epsilon, slope·t). A ray whose origin or
 /// direction holds a NaN or an infinity is invalid; callers make directions without a length NaN.
 template <class Real>
 struct RayView {
@@ -60,13 +60,24 @@ struct RayView {
   std::size_t count;
 };
 
+/// How rays are stepped.
+enum class Stepping : std::uint8_t {
+  kPlain,   ///< from t = 0 by the whole field
+  kBiased,  ///< from t_min by the field less a bias
+  kFixed,   ///< from t_min by the field less a bias, but `step` and the hit epsilon at the least, into the solid
+};
+
 template <class Real>
 struct MarchParameters {
   Real step_scale;     ///< 1 / Lipschitz bound
   Real epsilon_slope;  ///< growth of the hit epsilon with t
   int max_steps;
-  bool secant_finish;
+  bool finish;            ///< refine hits: by the secant, for kFixed by bisection
   const bool* cancelled;  ///< polled at every block step; a cancelled kernel returns early with partial output
+  Stepping stepping;
+  Real t_min;  ///< 0 for kPlain
+  Real bias;   ///< 0 for kPlain
+  Real step;   ///< for kFixed
 };
 
 /// Work done, for image.stats: exact counts.
@@ -79,7 +90,7 @@ struct Counters {
 template <class Real>
 struct MarchOutput {
   Real* t;               ///< see Status; +inf for misses and invalid rays. Any alignment, exactly `count` long
-  Real* unfinished;      ///< scratch for the secant finish, `count` long; may be null without it
+  Real* unfinished;      ///< scratch for the finish, `count` long; may be null without it
   std::uint8_t* status;  ///< octomarch::Status; null when not wanted
   std::int32_t* steps;   ///< evaluations of each ray; null when not wanted
 };
@@ -162,11 +173,11 @@ struct MaterialView {
 template <class Real>
 struct KernelTable {
   void (*camera_rays)(const CameraView<Real>&, const TileView&, const Vectors<Real>& out);
-  /// Sphere tracing of any number of rays in refilled blocks.
+  /// Marches any number of rays in refilled blocks.
   void (*march)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                 const MarchOutput<Real>&, Counters&);
   /// Visibility of each ray's far end: 0 where something is hit, else min over samples of k·r/t, at most 1
-  /// (k = +inf: hard shadows). `visibility`: exactly `count` long.
+  /// (k = +inf: hard shadows). `visibility`: exactly `count` long. Nothing is finished.
   void (*shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&, Real k,
                  Real* visibility, Counters&);
   /// The tape's result at points; NaN at NaN points. This and the next two poll `cancelled` at every block.

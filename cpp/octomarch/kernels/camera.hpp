@@ -19,12 +19,17 @@ void camera_rays(const CameraView<Real>& camera, const TileView& tile, const Vec
   for (std::size_t first = 0; first < packets; first += kPackets) {
     // Points of the pixels of a block of packets; those outside the planes become NaN, and so does their ray.
     for (std::size_t slot = 0; slot < kPackets; ++slot) {
+      Real across[kPacketWidth];
+      Real down[kPacketHeight];
+      for (std::size_t x = 0; x < kPacketWidth; ++x) {
+        across[x] = i + x < tile.width ? static_cast<Real>(tile.left + i + x) + camera.point[0] : kNone;
+      }
+      for (std::size_t y = 0; y < kPacketHeight; ++y) {
+        down[y] = j + y < tile.height ? static_cast<Real>(tile.top + j + y) + camera.point[1] : kNone;
+      }
       for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
-        const std::size_t column = i + lane % kPacketWidth;
-        const std::size_t row = j + lane / kPacketWidth;
-        const bool wanted = column < tile.width && row < tile.height;
-        columns[slot * kPacketLanes + lane] = wanted ? static_cast<Real>(tile.left + column) + camera.point[0] : kNone;
-        rows[slot * kPacketLanes + lane] = wanted ? static_cast<Real>(tile.top + row) + camera.point[1] : kNone;
+        columns[slot * kPacketLanes + lane] = across[lane % kPacketWidth];
+        rows[slot * kPacketLanes + lane] = down[lane / kPacketWidth];
       }
       i += kPacketWidth;
       if (i >= tile.x + tile.packets_across * kPacketWidth) {

@@ -1,6 +1,6 @@
-// Sphere tracing in blocks: 8 packets of 8 rays stepped together by the tape interpreter, a packet's slot refilled with
-// the next packet of the stream as soon as all its rays have ended. J. C. Hart, "Sphere tracing", The Visual Computer
-// 12(10), 1996.
+// Marching in blocks: 8 packets of 8 rays stepped together by the tape interpreter, a packet's slot refilled with the next
+// packet of the stream as soon as all its rays have ended. steps.hpp says how long a step is: sphere tracing by default,
+// J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996.
 //
 // A step leaves a ray that has ended as it is: at a hit t stays and hits again, past t_max it stays there, a NaN stays
 // NaN. So no mask is kept with the state; which rays live is read off each step as one 64-bit word, and what became of
@@ -18,14 +18,20 @@
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
 
-template <class Real, class Task>
+template <class Real, class Steps, class Task>
 class Marcher {
   using T = Lanes<Real>;
 
  public:
   Marcher(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
           const Task& task, Counters& counters)
-      : tape_(tape), memory_(memory), rays_(rays), parameters_(parameters), task_(task), counters_(counters) {}
+      : tape_(tape),
+        memory_(memory),
+        rays_(rays),
+        parameters_(parameters),
+        steps_(parameters),
+        task_(task),
+        counters_(counters) {}
 
   void run() {
     Block<Real> blocks[2];
@@ -106,14 +112,16 @@ class Marcher {
                                            const Column& t_max, const Column& epsilon) {
     const T step_scale = parameters_.step_scale;
     const T slope = parameters_.epsilon_slope;
+    const Steps steps = steps_;
     const Task task = task_;
     std::uint64_t live = 0;
     for_each_batch<Real>(count, [&](std::size_t lane) {
       const T t = T::load(state.t + lane);
       const T r = T::load(field + lane) * step_scale;
-      // not "r > epsilon": a NaN field has to move t, and make it NaN
-      const Mask<Real> goes_on = (t <= t_max(lane)) & !(r <= max(epsilon(lane), slope * t));
-      const T next = select(goes_on, t + r, t);
+      const T tolerance = max(epsilon(lane), slope * t);
+      // not "has not arrived": a NaN field has to move t, and make it NaN
+      const Mask<Real> goes_on = (t <= t_max(lane)) & !steps.arrives(r, tolerance);
+      const T next = select(goes_on, t + steps.length(r, tolerance), t);
       task.observe(state, lane, t, r, goes_on);
       next.store(state.t + lane);
       live |= (goes_on & (next <= t_max(lane))).bits() << lane;
@@ -183,18 +191,19 @@ class Marcher {
     return true;
   }
 
-  /// Sets t of a packet's rays to 0, or to NaN where anything of the ray is not finite; returns a bit for each number.
-  static std::uint64_t start_packet(BlockState<Real>& state, std::size_t slot) {
+  /// Sets t of a packet's rays to their start, or to NaN where anything of the ray is not finite; returns a bit for each
+  /// that begins.
+  std::uint64_t start_packet(BlockState<Real>& state, std::size_t slot) const {
     const std::size_t begin = first_batch_lane<Real>(slot);
     std::uint64_t bits = 0;
     for (std::size_t lane = begin; lane < (slot + 1) * kPacketLanes; lane += kWidth<Real>) {
       const T sum = T::load(state.ox + lane) + T::load(state.oy + lane) + T::load(state.oz + lane) +
                     T::load(state.dx + lane) + T::load(state.dy + lane) + T::load(state.dz + lane);
-      const T start = sum * T(Real(0)) + T(Real(0));
+      const T start = sum * T(Real(0)) + steps_.start();
       const Mask<Real> ours = packet_mask<Real>(lane, slot);
       select(ours, start, T::load(state.t + lane)).store(state.t + lane);
       select(ours, T(Task::kFirstCarried), T::load(state.carried + lane)).store(state.carried + lane);
-      bits |= (start == start).bits() << (lane - begin);
+      bits |= steps_.begins(start, T::load(state.t_max + lane)).bits() << (lane - begin);
     }
     return bits >> (slot * kPacketLanes - begin) & 0xFFU;
   }
@@ -215,6 +224,7 @@ class Marcher {
   Real* const memory_;
   const RayView<Real> rays_;
   const MarchParameters<Real> parameters_;
+  const Steps steps_;
   const Task task_;
   Counters& counters_;
   const bool one_origin_ = rays_.ox.values == nullptr && rays_.oy.values == nullptr && rays_.oz.values == nullptr;
@@ -222,24 +232,44 @@ class Marcher {
   std::size_t next_ray_ = 0;
 };
 
+template <class Real, class Steps, Finish kFinish>
+void find_hits(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays,
+               const MarchParameters<Real>& parameters, const MarchOutput<Real>& out, Counters& counters) {
+  using Task = HitTask<Real, Steps, kFinish>;
+  Marcher<Real, Steps, Task>(tape, memory, rays, parameters, Task{out, Steps(parameters)}, counters).run();
+  if constexpr (kFinish == Finish::kSecant) check_secant(tape, memory, rays, parameters, out, counters);
+  if constexpr (kFinish == Finish::kBisection) bisect(tape, memory, rays, parameters, out, counters);
+}
+
+/// Calls f with the steps that the parameters ask for.
+template <class Real, class Function>
+void with_steps(const MarchParameters<Real>& parameters, Function&& f) {
+  switch (parameters.stepping) {
+    case Stepping::kPlain: return f(PlainSteps<Real>(parameters));
+    case Stepping::kBiased: return f(BiasedSteps<Real>(parameters));
+    case Stepping::kFixed: return f(FixedSteps<Real>(parameters));
+  }
+}
+
 template <class Real>
 void march(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
            const MarchOutput<Real>& out, Counters& counters) {
-  if (parameters.secant_finish) {
-    using Task = HitTask<Real, true>;
-    Marcher<Real, Task>(tape, memory, rays, parameters, Task{out}, counters).run();
-    check_finish(tape, memory, rays, parameters, out, counters);
-  } else {
-    using Task = HitTask<Real, false>;
-    Marcher<Real, Task>(tape, memory, rays, parameters, Task{out}, counters).run();
-  }
+  with_steps(parameters, [&]<class Steps>(const Steps&) {
+    if (parameters.finish) {
+      find_hits<Real, Steps, Steps::kFinish>(tape, memory, rays, parameters, out, counters);
+    } else {
+      find_hits<Real, Steps, Finish::kNone>(tape, memory, rays, parameters, out, counters);
+    }
+  });
 }
 
 template <class Real>
 void shadow(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays,
             const MarchParameters<Real>& parameters, Real k, Real* visibility, Counters& counters) {
   const ShadowTask<Real> task{visibility, Lanes<Real>(k)};
-  Marcher<Real, ShadowTask<Real>>(tape, memory, rays, parameters, task, counters).run();
+  with_steps(parameters, [&]<class Steps>(const Steps&) {
+    Marcher<Real, Steps, ShadowTask<Real>>(tape, memory, rays, parameters, task, counters).run();
+  });
 }
 
 }  // namespace octomarch::kernels::OCTOMARCH_ISA

@@ -1,5 +1,5 @@
-// J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996, with a tolerance that grows with the ray, and a secant
-// step at the end. See march.hpp.
+// J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996, with a tolerance that grows with the ray and a secant step
+// at the end, and fixed steps with bisection at the end. See march.hpp.
 #include "octomarch/reference/march.hpp"
 
 #include <algorithm>
@@ -13,12 +13,24 @@ T largest_magnitude(const Vector<T>& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
 }
 
-/// The root of the line through the last two samples, not farther than 32 radii ahead. Where the later sample is not the
-/// smaller, as when the tolerance has grown past a constant distance, no root is near.
+/// A sample of a ray: where, and the field over its Lipschitz bound.
 template <class T>
-T secant_step(T previous, T radius) {
+struct RaySample {
+  T t;
+  T radius;
+};
+
+/// The root of the line through two samples, not farther than 32 radii ahead. Where the later sample is not the smaller, as
+/// when the tolerance has grown past a constant distance, no root is near. `apart`: how far the later was meant to be.
+template <class T>
+T secant_step(T previous, T radius, T apart) {
   if (!(previous > radius)) return T(0);
-  return std::min(radius * previous / (previous - radius), T(32) * std::max(radius, T(0)));
+  return std::min(radius * apart / (previous - radius), T(32) * std::max(radius, T(0)));
+}
+
+template <class T>
+T radius_at(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, T t) {
+  return field.distance(ray.origin + ray.direction * t) / limits.lipschitz;
 }
 
 template <class T>
@@ -64,12 +76,26 @@ Vector<T> slope_at(Evaluator<T>& field, const Vector<T>& p, const NormalRule<T>&
   return rule.kind == Normals::kCentral ? central_differences(field, p, rule.step) : field.gradient(p);
 }
 
-/// The end of the secant step, where it has all but closed the gap; else t, for the ray only grazes an edge.
+/// The end of the secant step, where it has all but closed the gap; else the last sample, for the ray only grazes an edge.
 template <class T>
-T finished(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, T t, T previous, T radius) {
-  const T end = std::min(t + secant_step(previous, radius), limits.t_max);
-  const T left = field.distance(ray.origin + ray.direction * end) / limits.lipschitz;
-  return std::abs(left) <= limits.hit_epsilon(ray, end) / T(16) ? end : t;
+T by_secant(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, const RaySample<T>& before,
+            const RaySample<T>& last) {
+  const T apart = limits.advance(ray, before.t, before.radius);
+  const T end = std::min(last.t + secant_step(before.radius, last.radius, apart), limits.t_max);
+  const T left = radius_at(field, ray, limits, end);
+  return std::abs(left) <= limits.hit_epsilon(ray, end) / T(16) ? end : last.t;
+}
+
+/// The outer end of what ten halvings leave of the way from the sample before, but no more than a least step, to the first
+/// one inside.
+template <class T>
+T by_bisection(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, T before, T inside) {
+  T outside = std::max(before, inside - limits.least_step(ray, before));
+  for (int i = 0; i < 10; ++i) {
+    const T middle = outside + (inside - outside) / T(2);
+    (radius_at(field, ray, limits, middle) <= T(0) ? inside : outside) = middle;
+  }
+  return outside;
 }
 
 }  // namespace
@@ -81,21 +107,42 @@ T MarchLimits<T>::hit_epsilon(const Ray<T>& ray, T t) const {
 }
 
 template <class T>
+bool MarchLimits<T>::arrived(const Ray<T>& ray, T t, T radius) const {
+  return radius <= (method == Method::kFixed ? T(0) : hit_epsilon(ray, t));
+}
+
+template <class T>
+T MarchLimits<T>::least_step(const Ray<T>& ray, T t) const {
+  return std::max(step, hit_epsilon(ray, t));
+}
+
+template <class T>
+T MarchLimits<T>::advance(const Ray<T>& ray, T t, T radius) const {
+  if (method == Method::kPlain) return bias > T(0) ? std::max(radius - bias, radius / T(2)) : radius;
+  return std::max(radius - bias, least_step(ray, t));
+}
+
+template <class T>
 Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
   constexpr T kNowhere = std::numeric_limits<T>::infinity();
   if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vector<T>(0)) return {};
-  T t = T(0);
-  T previous = T(0);
+  if (limits.t_min > limits.t_max) return {Status::kMiss, kNowhere, 0};
+  RaySample<T> before{limits.t_min, T(0)};
+  T t = limits.t_min;
   for (int steps = 1; steps <= limits.max_steps; ++steps) {
-    const T radius = field.distance(ray.origin + ray.direction * t) / limits.lipschitz;
+    const T radius = radius_at(field, ray, limits, t);
     if (std::isnan(radius)) return {Status::kInvalid, kNowhere, steps};
-    if (radius <= limits.hit_epsilon(ray, t)) {
-      if (t == T(0)) return {Status::kInside, T(0), steps};
-      return {Status::kHit, limits.secant_finish ? finished(field, ray, limits, t, previous, radius) : t, steps};
+    if (limits.arrived(ray, t, radius)) {
+      if (steps == 1) return {Status::kInside, t, steps};
+      if (!limits.finish) return {Status::kHit, t, steps};
+      if (limits.method == Method::kFixed) {
+        return {Status::kHit, by_bisection(field, ray, limits, before.t, t), steps};
+      }
+      return {Status::kHit, by_secant(field, ray, limits, before, {t, radius}), steps};
     }
-    t += radius;
+    before = {t, radius};
+    t += limits.advance(ray, t, radius);
     if (t > limits.t_max) return {Status::kMiss, kNowhere, steps};
-    previous = radius;
   }
   return {Status::kStepLimit, t, limits.max_steps};
 }

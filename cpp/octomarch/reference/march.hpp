@@ -1,4 +1,4 @@
-// Sphere tracing of one ray, one step at a time, and the surface where it ends. The evaluator comes before it; shading
+// The march of one ray, one step at a time, and the surface where it ends. The evaluator comes before it; shading
 // and the queries come after.
 #pragma once
 
@@ -26,23 +26,37 @@ constexpr T kUnitRoundoff = std::numeric_limits<T>::epsilon() / T(2);
 /// The settings of a march in the precision it runs in. `t_max` counts along unit directions.
 template <class T>
 struct MarchLimits {
+  Method method;
   int max_steps;
   T epsilon;
   T pixel_tolerance;
+  T t_min;
   T t_max;
+  T bias;
+  T step;
   T lipschitz;
-  bool secant_finish;
+  bool finish;
 
   MarchLimits(const March& march, double lipschitz_bound)
-      : max_steps(march.max_steps),
-        epsilon(T(march.epsilon)),
+      : method(march.method),
+        max_steps(march.max_steps),
+        epsilon(T(march.least_epsilon())),
         pixel_tolerance(T(march.pixel_tolerance)),
+        t_min(T(march.min_distance)),
         t_max(T(march.max_distance)),
+        bias(T(march.bias)),
+        step(T(march.step)),
         lipschitz(T(lipschitz_bound)),
-        secant_finish(march.secant_finish) {}
+        finish(march.finish) {}
 
   /// The hit epsilon at parameter t of a ray; see March.
   T hit_epsilon(const Ray<T>& ray, T t) const;
+  /// Has a ray arrived where the field is lipschitz·radius? A NaN has not.
+  bool arrived(const Ray<T>& ray, T t, T radius) const;
+  /// How far it goes on from there at the least, where steps are fixed.
+  T least_step(const Ray<T>& ray, T t) const;
+  /// How far it goes on from there if it has not arrived.
+  T advance(const Ray<T>& ray, T t, T radius) const;
 };
 
 template <class T>
@@ -63,7 +77,7 @@ struct Surface {
 /// True for rays that found a surface, or may have: those that have a position, a normal and ids.
 constexpr bool has_surface(Status status) { return status == Status::kHit || status == Status::kStepLimit; }
 
-/// Marches one ray by steps of field / lipschitz. A ray that is not finite, or has no direction, is kInvalid.
+/// Marches one ray by the method of its limits. A ray that is not finite, or has no direction, is kInvalid.
 template <class T>
 Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits);
 

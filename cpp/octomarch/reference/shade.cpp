@@ -50,7 +50,9 @@ Shader<T>::Shader(Evaluator<T>& field, const Scene& scene, const Shading& shadin
       scene_(scene),
       shading_(shading),
       limits_(limits),
+      mirror_limits_(limits),
       sky_{Expression<T>(*scene.sky.color[0]), Expression<T>(*scene.sky.color[1]), Expression<T>(*scene.sky.color[2])} {
+  mirror_limits_.t_min = T(0);
 }
 
 template <class T>
@@ -71,7 +73,7 @@ Vector<T> Shader<T>::radiance(Ray<T> ray, Arrival<T> arrival, Surface<T> surface
     color += own * (weight * (T(1) - finish.reflectivity));
     weight = reflected;
     ray = mirrored(ray, arrival, surface);
-    arrival = march_ray(field_, ray, limits_);
+    arrival = march_ray(field_, ray, mirror_limits_);
     surface = surface_at(field_, ray, arrival, NormalRule<T>(shading_));
   }
 }
@@ -160,9 +162,9 @@ T Shader<T>::visibility(const Vector<T>& origin, const Beam& beam) {
   T t = T(0);
   for (int step = 0; step < limits_.max_steps && t <= beam.distance; ++step) {
     const T radius = field_.distance(origin + beam.toward_light * t) / limits_.lipschitz;
-    if (radius <= limits_.hit_epsilon(ray, t)) return T(0);
+    if (limits_.arrived(ray, t, radius)) return T(0);
     if (soft && t > T(0)) openness = std::min(openness, T(shading_.shadow_k) * radius / t);
-    t += radius;
+    t += limits_.advance(ray, t, radius);
   }
   return std::clamp(openness, T(0), T(1));
 }

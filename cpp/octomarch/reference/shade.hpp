@@ -41,6 +41,7 @@ class Shader {
   const Scene& scene_;
   const Shading& shading_;
   const MarchLimits<T>& limits_;
+  MarchLimits<T> mirror_limits_;  ///< the same from t = 0 on
   std::array<Expression<T>, 3> sky_;
 };
 

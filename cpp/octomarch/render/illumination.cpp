@@ -113,7 +113,7 @@ void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& l
   }
   const kernels::RayView<Real> rays = columns.view({shadow_distance_.data(), 0}, lit_.size());
   const kernels::MarchParameters<Real> parameters =
-      march_parameters(*picture_.program, picture_.march, columns.epsilon_slope, false, cancelled);
+      secondary_parameters(*picture_.program, picture_.march, columns.epsilon_slope, cancelled);
   const bool soft = picture_.shading.shadows == Shadows::kSoft && !picture_.program->is_solid();
   const Real k = soft ? clamped<Real>(picture_.shading.shadow_k) : std::numeric_limits<Real>::infinity();
   LoadedTape<Real>& field = surface.field();

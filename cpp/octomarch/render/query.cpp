@@ -98,7 +98,7 @@ void set_rays(RayScratch<Real>& s, const double* origins, const double* directio
     s.batch.direction.z[i] = static_cast<Real>(unit.z);
     s.t_max[i] = clamped<Real>(std::min(march.max_distance, t_max * s.length[i]));
     const double farthest = std::max({std::fabs(o.x), std::fabs(o.y), std::fabs(o.z)});
-    s.epsilon[i] = clamped<Real>(std::max(march.epsilon, static_cast<double>(kUlpFloor<Real>) * farthest));
+    s.epsilon[i] = clamped<Real>(std::max(march.least_epsilon(), static_cast<double>(kUlpFloor<Real>) * farthest));
   }
 }
 
@@ -177,7 +177,7 @@ void query_rays(const Program& program, const double* origins, const double* dir
         const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
         const kernels::RayView<Real> rays = columns.view({s.t_max.data(), 0}, n);
         const kernels::MarchParameters<Real> parameters =
-            march_parameters(program, march, columns.epsilon_slope, march.secant_finish, cancelled);
+            march_parameters(program, march, columns.epsilon_slope, cancelled);
         const kernels::MarchOutput<Real> found{s.batch.t.data(), s.batch.unfinished.data(), s.batch.status.data(),
                                                out.steps ? out.steps + first : nullptr};
         kernels::Counters counters;

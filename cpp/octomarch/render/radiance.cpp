@@ -36,8 +36,8 @@ void Radiance<Real>::follow_mirrors(SurfacePass<Real>& surface, const bool& canc
     --bounces_left_;
     RayBatch<Real>& batch = mirror_->batch;
     const RayColumns<Real> columns = own_columns(batch.origin, batch.direction, mirror_->epsilon);
-    const kernels::MarchParameters<Real> parameters = march_parameters(
-        *picture_.program, picture_.march, columns.epsilon_slope, picture_.march.secant_finish, cancelled);
+    const kernels::MarchParameters<Real> parameters =
+        secondary_parameters(*picture_.program, picture_.march, columns.epsilon_slope, cancelled);
     LoadedTape<Real>& field = surface.field();
     kernels_.march(field.view(), field.memory(),
                    columns.view({nullptr, clamped<Real>(picture_.march.max_distance)}, count), parameters,

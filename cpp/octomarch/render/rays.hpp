@@ -54,13 +54,33 @@ RayColumns<Real> own_columns(const VectorBuffer<Real>& origin, const VectorBuffe
 /// Absolute part of the hit epsilon of a ray from (x, y, z) that has no pixel.
 template <class Real>
 Real epsilon_at(const March& march, Real x, Real y, Real z) {
-  return std::max(clamped<Real>(march.epsilon), kUlpFloor<Real> * std::max({std::fabs(x), std::fabs(y), std::fabs(z)}));
+  return std::max(clamped<Real>(march.least_epsilon()),
+                  kUlpFloor<Real> * std::max({std::fabs(x), std::fabs(y), std::fabs(z)}));
 }
 
 template <class Real>
 kernels::MarchParameters<Real> march_parameters(const Program& program, const March& march, Real epsilon_slope,
-                                                bool secant_finish, const bool& cancelled) {
-  return {static_cast<Real>(1.0 / program.lipschitz()), epsilon_slope, march.max_steps, secant_finish, &cancelled};
+                                                const bool& cancelled) {
+  const bool plain = march.min_distance == 0.0 && march.bias == 0.0;
+  kernels::Stepping stepping = plain ? kernels::Stepping::kPlain : kernels::Stepping::kBiased;
+  if (march.method == Method::kFixed) stepping = kernels::Stepping::kFixed;
+  return {static_cast<Real>(1.0 / program.lipschitz()),
+          epsilon_slope,
+          march.max_steps,
+          march.finish,
+          &cancelled,
+          stepping,
+          clamped<Real>(march.min_distance),
+          clamped<Real>(march.bias),
+          clamped<Real>(march.step)};
+}
+
+/// The same for rays that leave a surface, and begin there.
+template <class Real>
+kernels::MarchParameters<Real> secondary_parameters(const Program& program, March march, Real epsilon_slope,
+                                                    const bool& cancelled) {
+  march.min_distance = 0.0;
+  return march_parameters(program, march, epsilon_slope, cancelled);
 }
 
 }  // namespace octomarch

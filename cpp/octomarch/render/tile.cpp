@@ -116,7 +116,7 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Expressions& sky,
   const double floor = static_cast<double>(kUlpFloor<Real>);
   const double tolerance = picture.march.pixel_tolerance;
   columns_.epsilon.value =
-      clamped<Real>(std::max({picture.march.epsilon, floor * farthest, tolerance * frame_.pixel_radius}));
+      clamped<Real>(std::max({picture.march.least_epsilon(), floor * farthest, tolerance * frame_.pixel_radius}));
   columns_.epsilon_slope = clamped<Real>(std::max(floor, tolerance * frame_.pixel_slope));
 }
 
@@ -173,7 +173,9 @@ void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& p
 template <class Real>
 void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& point) {
   rays_ = std::size_t{tile.packets_across} * tile.packets_down * kernels::kPacketLanes;
-  for_each_run(tile, [&](std::size_t, std::size_t, std::size_t count) { stats_.rays += count; });
+  const std::uint32_t across = tile.packets_across * std::uint32_t{kernels::kPacketWidth};
+  const std::uint32_t down = tile.packets_down * std::uint32_t{kernels::kPacketHeight};
+  stats_.rays += std::uint64_t{std::min(across, tile.width - tile.x)} * std::min(down, tile.height - tile.y);
   if (frame_.kind == CameraKind::kPanoramic) {
     panoramic_rays(frame_, tile, point, batch_.direction);
   } else {
@@ -185,8 +187,8 @@ void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& p
 template <class Real>
 void TileRenderer<Real>::march(const bool& cancelled) {
   const kernels::RayView<Real> rays = columns_.view({nullptr, clamped<Real>(picture_.march.max_distance)}, rays_);
-  const kernels::MarchParameters<Real> parameters = march_parameters(
-      *picture_.program, picture_.march, columns_.epsilon_slope, picture_.march.secant_finish, cancelled);
+  const kernels::MarchParameters<Real> parameters =
+      march_parameters(*picture_.program, picture_.march, columns_.epsilon_slope, cancelled);
   const bool needs_status = planes_.status || needs_surface();
   const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.unfinished.data(),
                                        needs_status ? batch_.status.data() : nullptr,
