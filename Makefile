@@ -76,6 +76,7 @@ bench: $(STAMPS)/installed
 	$(BIN)/python benchmarks/run.py --build-dir $(BUILD_DIR) $(BENCH_ARGS)
 
 docs: $(STAMPS)/installed $(STAMPS)/docs-tools
+	@rm -rf docs/gallery  # pages of scripts that are no more
 	$(BIN)/python -m sphinx -W --keep-going -q -d build/doctrees $(DOCS_ARGS) docs build/docs
 	@echo "The site: build/docs/index.html; its gallery: build/docs/gallery/index.html, with the pictures in out/gallery"
 

@@ -52,12 +52,13 @@ myst_heading_anchors = 3
 codeautolink_concat_default = True
 codeautolink_global_preface = "import numpy as np; import octomarch as om"
 codeautolink_autodoc_inject = False
+suppress_warnings = ["codeautolink"]  # it tells of blocks whose links are there already, from the last build
 
 sphinx_gallery_conf = {
     "examples_dirs": "../examples/gallery",
     "gallery_dirs": "gallery",
     "filename_pattern": r"\.py$",
-    "ignore_pattern": r"/_",  # scenes that several pictures share
+    "ignore_pattern": r"(^|/)_",  # scenes that several pictures share
     "within_subsection_order": "FileNameSortKey",
     "image_scrapers": ("gallery_pictures.saved_picture",),
     "reset_modules": (),
