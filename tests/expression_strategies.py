@@ -24,6 +24,9 @@ FUNCTION_ROUNDINGS = 4
 the last place, which are up to two roundoffs each."""
 LARGEST = 1e30
 """Beyond this float32 overflows in the next products."""
+NOISE_SLOPE = 3.75
+NOISE_ROUNDINGS = 64
+"""The terms of noise's fade reach 15 before they cancel, and are rounded three times each."""
 SMALLEST = 1e-30
 """Below this float32 loses digits in the next products: a number so small is as good as 0."""
 
@@ -135,6 +138,55 @@ def _where(condition: Sample, a: Sample, b: Sample) -> Sample:
     return Sample(built, numpy, f"where({condition.text}, {a.text}, {b.text})")
 
 
+def gradient_noise(points: Array, seed: int) -> Array:
+    """Return noise at points (n, 3) as docs/semantics.md defines it, with lattices in whole numbers; s = `seed`."""
+    corner = np.floor(points).astype(np.int64)
+    f = points - corner
+    fade = f**3 * (f * (6 * f - 15) + 10)
+
+    def permuted(n: NDArray[np.int64]) -> NDArray[np.int64]:
+        n = n % 289
+        return (34 * n + 1) * n % 289
+
+    total = np.zeros(len(points))
+    for offset in np.ndindex(2, 2, 2):
+        i, j, k = (corner + offset).T
+        index = permuted(permuted(permuted(k + seed) + j) + i) % 12
+        plane, signs = index // 4, np.stack([1 - 2 * (index // 2 % 2), 1 - 2 * (index % 2)])
+        r = f - offset
+        along = signs[0] * np.choose(plane, [r[:, 0], r[:, 0], r[:, 1]])
+        along += signs[1] * np.choose(plane, [r[:, 1], r[:, 2], r[:, 2]])
+        total += np.prod(np.where(offset, fade, 1 - fade), axis=1) * along
+    return total
+
+
+def _noise(a: Sample, b: Sample, c: Sample) -> Sample:
+    def numpy(x: Tracked, y: Tracked, z: Tracked) -> Tracked:
+        first, second, third = (sample.numpy(x, y, z) for sample in (a, b, c))
+        points = np.stack([first.value, second.value, third.value], axis=-1)
+        inside = np.isfinite(points).all(axis=1) & (np.abs(points) < 1e4).all(axis=1)
+        value = np.where(inside, gradient_noise(np.where(inside[:, None], points, 0), 0), np.nan)
+        error = NOISE_SLOPE * (first.error + second.error + third.error) + NOISE_ROUNDINGS
+        return first.made(value, np.where(inside, error, np.inf))
+
+    built = om.noise(a.expression, b.expression, c.expression)
+    return Sample(built, numpy, f"noise({a.text}, {b.text}, {c.text})")
+
+
+def _power(a: Tracked, b: Tracked) -> Tracked:
+    value = a.value**b.value
+    logarithm = np.log(a.value)
+    relative = np.abs(b.value / a.value) * a.error + np.abs(logarithm) * b.error
+    return a.made(
+        value, np.where(a.sure(a.value) & (a.value > 0), 2 * np.abs(value) * relative, np.inf), 2 * FUNCTION_ROUNDINGS
+    )
+
+
+def _less_equal(a: Tracked, b: Tracked) -> Tracked:
+    fails = _less(b, a)
+    return Tracked(1 - fails.value, fails.error, fails.u)
+
+
 def _sqrt(a: Tracked) -> Tracked:
     root = np.sqrt(a.value)
     return a.made(root, np.where(a.sure(a.value), a.error / root, np.where(a.error == 0, 0, np.inf)))
@@ -150,6 +202,9 @@ UNARY = {
     "sin": _unary("sin", om.sin, _smooth(np.sin, np.ones_like)),
     "cos": _unary("cos", om.cos, _smooth(np.cos, np.ones_like)),
     "atan": _unary("atan", om.atan, _smooth(np.arctan, np.ones_like)),
+    "tan": _unary("tan", om.tan, _smooth(np.tan, lambda x: 1 + np.tan(x) ** 2)),
+    "asin": _unary("asin", om.asin, _smooth(np.arcsin, lambda x: 1 / np.sqrt(1 - x * x))),
+    "acos": _unary("acos", om.acos, _smooth(np.arccos, lambda x: 1 / np.sqrt(1 - x * x))),
 }
 BINARY = {
     "add": _binary("+", lambda a, b: a + b, lambda a, b: a.made(a.value + b.value, a.error + b.error)),
@@ -163,6 +218,8 @@ BINARY = {
     "mod": _binary("mod", lambda a, b: a % b, _mod),
     "atan2": _binary("atan2", om.atan2, _atan2),
     "less": _binary("<", lambda a, b: a < b, _less),
+    "less_equal": _binary("<=", lambda a, b: a <= b, _less_equal),
+    "pow": _binary("**", lambda a, b: a**b, _power),
     "minimum": _binary(
         "min", om.minimum, lambda a, b: a.made(np.minimum(a.value, b.value), np.maximum(a.error, b.error), 0)
     ),
@@ -170,6 +227,8 @@ BINARY = {
         "max", om.maximum, lambda a, b: a.made(np.maximum(a.value, b.value), np.maximum(a.error, b.error), 0)
     ),
 }
+
+TERNARY = {"where": _where, "noise": _noise}
 
 _X, _Y, _Z = om.coordinates()
 coordinate = st.sampled_from(
@@ -190,7 +249,7 @@ def _constant(value: float) -> Sample:
 constant = st.sampled_from([0.25, 0.5, 1.0, 1.5, 2.0, -1.0, 3.0, 0.3, -0.7, 7.1]).map(_constant)
 
 
-def expression(operations: int = 12, kinds: tuple[str, ...] = (*UNARY, *BINARY, "where")) -> st.SearchStrategy[Sample]:
+def expression(operations: int = 12, kinds: tuple[str, ...] = (*UNARY, *BINARY, *TERNARY)) -> st.SearchStrategy[Sample]:
     """Expressions over shared operands, made by up to `operations` operations of the given kinds."""
 
     @st.composite
@@ -198,10 +257,10 @@ def expression(operations: int = 12, kinds: tuple[str, ...] = (*UNARY, *BINARY, 
         pool = draw(st.lists(st.one_of(coordinate, coordinate, constant), min_size=2, max_size=4))
         operand = st.integers(0, 10**6)
         for kind in draw(st.lists(st.sampled_from(kinds), min_size=1, max_size=operations)):
-            count = 1 if kind in UNARY else 3 if kind == "where" else 2
+            count = 1 if kind in UNARY else 3 if kind in TERNARY else 2
             # the latest more often, so that expressions grow deep
             chosen = [pool[-1 - min(draw(operand) % len(pool), draw(operand) % len(pool))] for _ in range(count)]
-            make = UNARY.get(kind) or BINARY.get(kind) or _where
+            make = UNARY.get(kind) or BINARY.get(kind) or TERNARY[kind]
             pool.append(make(*chosen))
         return pool[-1]
 

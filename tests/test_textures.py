@@ -10,6 +10,7 @@ import pytest
 from numpy.testing import assert_allclose, assert_array_equal
 
 import octomarch as om
+from expression_strategies import NOISE_ROUNDINGS, gradient_noise
 from rounding import representable, unit_roundoff
 from strategies import POINTS
 
@@ -20,9 +21,6 @@ NAN, INF = math.nan, math.inf
 
 ROUNDING = {"float32": 2e-5, "float64": 1e-12}
 """Coordinates within 40 units, rounded a few times at 2⁻²⁴ and 2⁻⁵³, change a texel's share by nine times as much."""
-
-NOISE_ROUNDINGS = 64
-"""The terms of the fade reach 15 before they cancel, and are rounded three times each."""
 
 
 def evaluated(texture: om.Texture, points, precision: str = "float64", isa: str | None = None) -> np.ndarray:
@@ -101,36 +99,10 @@ def test_stripes(axis, soft: float, isa: str, precision: str):
     assert_allclose(evaluated(om.stripes(RED, BLUE, 0.75, axis, soft), points, precision, isa), expected, 0, tolerance)
 
 
-def lattice_gradient(i: int, j: int, k: int, seed: int) -> np.ndarray:
-    """Return the gradient at a corner, in whole numbers without a rounding."""
-
-    def permuted(n: int) -> int:
-        return (34 * n + 1) * n % 289
-
-    index = permuted((permuted((permuted((k + seed) % 289) + j) % 289) + i) % 289) % 12
-    plane, first, second = index // 4, index // 2 % 2, index % 2
-    gradient = np.zeros(3)
-    gradient[(0, 0, 1)[plane]] = 1 - 2 * first
-    gradient[(1, 2, 2)[plane]] = 1 - 2 * second
-    return gradient
-
-
-def noise_at(point: np.ndarray, seed: int) -> float:
-    """Return gradient noise as docs/semantics.md defines it."""
-    corner = np.floor(point).astype(int)
-    f = point - corner
-    fade = f**3 * (f * (6 * f - 15) + 10)
-    total = 0.0
-    for offset in np.ndindex(2, 2, 2):
-        weight = np.prod(np.where(offset, fade, 1 - fade))
-        total += weight * (lattice_gradient(*(corner + offset).tolist(), seed) @ (f - offset))
-    return total
-
-
 @pytest.mark.parametrize("seed", [0, 1, 12345, 2**31 - 1])
 def test_noise(seed: int, isa: str, precision: str):
     points = representable(POINTS, precision)
-    expected = [noise_at(point, seed * 179 % 289) for point in points]
+    expected = gradient_noise(points, seed * 179 % 289)
     found = om.noise(X, Y, Z, seed=seed).evaluate(points, precision=precision, isa=isa)
     assert_allclose(found, expected, 0, NOISE_ROUNDINGS * unit_roundoff(precision))
 
@@ -138,7 +110,7 @@ def test_noise(seed: int, isa: str, precision: str):
 def test_noise_far_away_is_noise_still(isa: str, precision: str):
     points = np.array([[1e4 + 0.25, -1e4 + 0.5, 0.25], [289.5, 0.25, 0.5], [0.5, 0.25, 0.5]])
     found = om.noise(X, Y, Z).evaluate(points, precision=precision, isa=isa)
-    assert_allclose(found, [noise_at(point, 0) for point in points], 0, 1e-6)
+    assert_allclose(found, gradient_noise(points, 0), 0, 1e-6)
     assert found[1] == found[2]
     assert np.isnan(om.noise(X, Y, Z).evaluate([[NAN, 0, 0]], precision=precision, isa=isa)).all()
 
@@ -153,7 +125,7 @@ def test_seeds_differ():
 
 def test_fractal_noise_and_clouds(isa: str, precision: str):
     points = representable(POINTS[:120], precision)
-    expected = sum(0.5**i * np.array([noise_at(2**i * p, (3 + i) * 179 % 289) for p in points]) for i in range(4))
+    expected = sum(0.5**i * gradient_noise(2**i * points, (3 + i) * 179 % 289) for i in range(4))
     found = om.fractal_noise(X, Y, Z, octaves=4, seed=3).evaluate(points, precision=precision, isa=isa)
     tolerance = 1e-5 if precision == "float32" else 1e-13
     assert_allclose(found, expected, 0, tolerance)

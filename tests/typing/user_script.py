@@ -23,6 +23,15 @@ shape = shape.translate(0, 1, 0).translate((0, 1, 0)).rotate(30, axis=(1, 1, 0))
 assert_type(shape | om.torus(2, 0.5).union(om.capsule((0, 0, 0), (0, 1, 0), 0.2), smooth=0.1), om.Shape)
 
 red = om.Material(color=(0.8, 0.1, 0.1), roughness=0.4)
+x, y, z = om.coordinates()
+assert_type(2 * x**2 + abs(y) % 1, om.Expression)
+assert_type((x < 1) & ~(y >= z), om.Expression)
+assert_type(om.where(x < 0, om.sqrt(y), 1), om.Expression)
+assert_type(om.mix((1, 0, 0), 0.5 * om.checker(0, 1), om.noise(x, y, z)), om.Texture)
+assert_type(om.field(om.length(x, y, z) - 1, bounds=((-1, -1, -1), (1, 1, 1))), om.Shape)
+painted = om.Material(om.image_texture(np.ones((2, 2, 3)), "triplanar"), roughness=om.clamp(x, 0, 1))
+values: NDArray[np.floating] = x.evaluate([[1, 2, 3]])
+
 scene = om.Scene(shape.paint(red), sky=om.Sky(base=0.5), ambient=(0.1, 0.1, 0.2), lights=lights())
 assert_type(scene.ambient, tuple[float, float, float])
 

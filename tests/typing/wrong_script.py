@@ -11,3 +11,7 @@ om.sphere(1.0).paint((1, 0, 0))  # wrong
 om.render(3)  # wrong
 om.Scene(om.sphere(1.0)).ambient = (0, 0, 0)  # wrong
 print(om.sphere(1.0).colour)  # wrong
+om.sqrt("1")  # wrong
+om.coordinates()[0] + om.sphere(1.0)  # wrong
+om.Material(roughness=om.checker(0, 1))  # wrong
+om.image_texture("a.png", mapping="cubic")  # wrong

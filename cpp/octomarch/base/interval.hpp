@@ -124,17 +124,17 @@ inline Interval operator-(const Interval& a, const Interval& b) { return a + (-b
 
 /// By the operands' signs, which say what ends the least and the greatest product are made of.
 inline Interval operator*(const Interval& a, const Interval& b) {
-  constexpr auto down = rounding::multiply<false>;
-  constexpr auto up = rounding::multiply<true>;
+  constexpr auto kDown = rounding::multiply<false>;
+  constexpr auto kUp = rounding::multiply<true>;
   if (a.lo() >= 0.0) {
-    return {down(b.lo() >= 0.0 ? a.lo() : a.hi(), b.lo()), up(b.hi() >= 0.0 ? a.hi() : a.lo(), b.hi())};
+    return {kDown(b.lo() >= 0.0 ? a.lo() : a.hi(), b.lo()), kUp(b.hi() >= 0.0 ? a.hi() : a.lo(), b.hi())};
   }
   if (a.hi() <= 0.0) {
-    return {down(b.hi() >= 0.0 ? a.lo() : a.hi(), b.hi()), up(b.lo() >= 0.0 ? a.hi() : a.lo(), b.lo())};
+    return {kDown(b.hi() >= 0.0 ? a.lo() : a.hi(), b.hi()), kUp(b.lo() >= 0.0 ? a.hi() : a.lo(), b.lo())};
   }
-  if (b.lo() >= 0.0) return {down(a.lo(), b.hi()), up(a.hi(), b.hi())};
-  if (b.hi() <= 0.0) return {down(a.hi(), b.lo()), up(a.lo(), b.lo())};
-  return {std::min(down(a.lo(), b.hi()), down(a.hi(), b.lo())), std::max(up(a.lo(), b.lo()), up(a.hi(), b.hi()))};
+  if (b.lo() >= 0.0) return {kDown(a.lo(), b.hi()), kUp(a.hi(), b.hi())};
+  if (b.hi() <= 0.0) return {kDown(a.hi(), b.lo()), kUp(a.lo(), b.lo())};
+  return {std::min(kDown(a.lo(), b.hi()), kDown(a.hi(), b.lo())), std::max(kUp(a.lo(), b.lo()), kUp(a.hi(), b.hi()))};
 }
 
 /// The whole line where b holds 0.
