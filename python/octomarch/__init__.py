@@ -11,6 +11,7 @@ Shapes are built by functions and operators, compiled to a flat program and marc
 from octomarch import reference
 from octomarch._core import SceneError
 from octomarch.camera import Camera, OrthographicCamera, PanoramicCamera
+from octomarch.colormaps import colormap, iteration_colors
 from octomarch.expressions import Expression, coordinates, normals
 from octomarch.exr import read_exr, write_exr
 from octomarch.fields import field, solid
@@ -51,6 +52,7 @@ from octomarch.machine import build_info, isas
 from octomarch.march import March, Status
 from octomarch.materials import Material
 from octomarch.operators import difference, intersection, metaballs, union
+from octomarch.png import write_png
 from octomarch.primitives import box, capsule, cylinder, plane, rounded_box, sphere, torus
 from octomarch.program import Program, compile
 from octomarch.queries import Hits
@@ -112,6 +114,7 @@ __all__ = [
     "checker",
     "circle",
     "clamp",
+    "colormap",
     "compile",
     "cone",
     "coordinates",
@@ -133,6 +136,7 @@ __all__ = [
     "image_texture",
     "intersection",
     "isas",
+    "iteration_colors",
     "length",
     "link",
     "log",
@@ -171,4 +175,5 @@ __all__ = [
     "union",
     "where",
     "write_exr",
+    "write_png",
 ]

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octomarch import _validate as check
+from octomarch import png
 
 Picture: TypeAlias = "str | os.PathLike[str] | NDArray[Any]"
 
@@ -42,7 +43,7 @@ def pixels(name: str, source: object) -> NDArray[np.float32]:
     if source.shape[0] * source.shape[1] > _LARGEST:
         raise ValueError(f"{name} must hold at most 2**28 pixels, got shape {source.shape}")
     with np.errstate(over="ignore"):
-        colors = _linear(source) if source.dtype == np.uint8 else source.astype(np.float32)
+        colors = png.linear(source) if source.dtype == np.uint8 else source.astype(np.float32)
     if not np.isfinite(colors).all():
         raise ValueError(f"{name} must hold finite numbers, got some that are not, or do not fit float32")
     return _rgb(colors)
@@ -73,23 +74,12 @@ def _from_pillow(path: str) -> NDArray[np.float32]:
     try:
         with PIL.Image.open(path, formats=("PNG", "JPEG")) as image:
             if image.mode.startswith("I"):  # 16 bits of grey
-                return _rgb(_decoded(np.asarray(image, dtype=np.float64) / 65535))
-            return _rgb(_linear(np.asarray(image.convert("RGB"))))
+                return _rgb(png.decoded(np.asarray(image, dtype=np.float64) / 65535))
+            return _rgb(png.linear(np.asarray(image.convert("RGB"))))
     except PIL.UnidentifiedImageError as error:
         raise OSError(f"{path}: not an EXR, PNG or JPEG file") from error
     except (*errors, PIL.Image.DecompressionBombError) as error:
         raise OSError(f"{path}: damaged picture: it cannot be decoded ({error})") from error
-
-
-def _linear(levels: NDArray[np.uint8]) -> NDArray[np.float32]:
-    table: NDArray[np.float32] = _decoded(np.arange(256) / 255)
-    return table[levels]
-
-
-def _decoded(encoded: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Return linear numbers from sRGB ones (IEC 61966-2-1)."""
-    linear = np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4)
-    return linear.astype(np.float32)
 
 
 def _rgb(colors: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -5,17 +5,16 @@
 
 from __future__ import annotations
 
-import io
 import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, Never
+from typing import Any, Literal, Never
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octomarch import _validate as check
-from octomarch._files import atomic
+from octomarch import colormaps, png
 from octomarch.planes import PLANES, PlaneName
 from octomarch.queries import Floats
 
@@ -120,8 +119,7 @@ class Image:
         >>> om.Image({"color": np.full((1, 1, 3), 0.5)}).to_srgb().tolist()
         [[[188, 188, 188]]]
         """
-        color = np.nan_to_num(np.asarray(self.color, dtype=np.float32), nan=0.0)
-        return np.searchsorted(_SRGB_STEPS, color, side="right").astype(np.uint8)
+        return png.levels(self.color)
 
     def to_png_bytes(self) -> bytes:
         """Return the colours as a PNG file of 8-bit sRGB.
@@ -132,14 +130,53 @@ class Image:
         >>> om.render(om.sphere(1.0), size=(32, 24)).to_png_bytes()[1:4]
         b'PNG'
         """
-        import PIL.Image  # here, since it takes longer to import than all the rest
-        import PIL.PngImagePlugin
+        return png.png_bytes(self.to_srgb())
 
-        chunks = PIL.PngImagePlugin.PngInfo()
-        chunks.add(b"sRGB", b"\0")  # perceptual intent: tells viewers which curve these bytes follow
-        buffer = io.BytesIO()
-        PIL.Image.fromarray(self.to_srgb()).save(buffer, format="PNG", pnginfo=chunks)
-        return buffer.getvalue()
+    def false_color(
+        self,
+        plane: Literal["depth", "object_id", "material_id", "steps", "status"] = "steps",
+        map: Literal["perceptual", "iterations"] = "perceptual",  # noqa: A002
+        vmin: float | None = None,
+        vmax: float | None = None,
+    ) -> NDArray[np.float32]:
+        """Colour the numbers of a plane.
+
+        Parameters
+        ----------
+        plane : {"depth", "object_id", "material_id", "steps", "status"}
+            Which has to be there.
+        map : {"perceptual", "iterations"}
+            By `octomarch.colormap`, or by `octomarch.iteration_colors`, for planes of integers ≥ 0.
+        vmin, vmax : float, optional
+            Limits of the perceptual map; None: those of the finite values.
+
+        Returns
+        -------
+        ndarray of float32, shape (height, width, 3)
+            Linear RGB, for `octomarch.write_png` or an image of its own.
+
+        Raises
+        ------
+        AttributeError
+            If the plane was not rendered.
+        TypeError, ValueError
+            If a name is unknown, the plane's numbers are not for this map, or it has no limits and there are some.
+
+        Examples
+        --------
+        >>> import octomarch as om
+        >>> image = om.render(om.sphere(1.0), size=(64, 48), planes=("depth", "steps"))
+        >>> om.Image({"color": image.false_color("steps", "iterations")})
+        <Image 64×48: color>
+        """
+        scalars = [name for name, plane in PLANES.items() if len(plane.channels) == 1]
+        values = getattr(self, check.choice("plane", plane, scalars))
+        if check.choice("map", map, ("perceptual", "iterations")) == "perceptual":
+            return colormaps.colormap(values, vmin, vmax)
+        for name, limit in {"vmin": vmin, "vmax": vmax}.items():
+            if limit is not None:
+                raise ValueError(f"{name} must be None for the map 'iterations', got {check.shown(limit)}")
+        return colormaps.iteration_colors(values)
 
     def _repr_png_(self) -> bytes | None:
         return self.to_png_bytes() if "color" in self.planes else None
@@ -175,9 +212,7 @@ class Image:
 
             write_exr(path, self)
         elif suffix == ".png":
-            data = self.to_png_bytes()
-            with atomic(path) as temporary:
-                temporary.write_bytes(data)
+            png.write_png(path, self.color)
         else:
             raise ValueError(f"path must end in .exr or .png, got {check.shown(os.fspath(path))}")
 
@@ -198,12 +233,3 @@ def _plane(name: PlaneName, value: NDArray[Any]) -> NDArray[Any]:
     if array.min() < lowest or array.max() > highest:
         raise ValueError(f"{name} must lie in [{lowest}, {highest}], got {array.min()} to {array.max()}")
     return array.astype(plane.dtype, copy=False)
-
-
-def _srgb_steps() -> NDArray[np.float32]:
-    """Return the linear values at which the 8-bit sRGB code rises by one, from the curve of IEC 61966-2-1."""
-    encoded = (np.arange(255) + 0.5) / 255
-    return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055) ** 2.4).astype(np.float32)
-
-
-_SRGB_STEPS = _srgb_steps()
