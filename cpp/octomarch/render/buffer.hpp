@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <memory>
 #include <new>
@@ -47,6 +48,22 @@ struct VectorBuffer {
   Buffer<T> x;
   Buffer<T> y;
   Buffer<T> z;
+};
+
+/// Which elements of some rows were chosen, in their order; `size` at the most.
+class IndexList {
+ public:
+  explicit IndexList(std::size_t size) : indices_(size) {}
+
+  void clear() { count_ = 0; }
+  void push(std::size_t index) { indices_[count_++] = static_cast<std::uint32_t>(index); }
+  std::size_t operator[](std::size_t i) const { return indices_[i]; }
+  std::size_t size() const { return count_; }
+  bool empty() const { return count_ == 0; }
+
+ private:
+  Buffer<std::uint32_t> indices_;
+  std::size_t count_ = 0;
 };
 
 /// A double as Real, no farther out than the largest finite number.

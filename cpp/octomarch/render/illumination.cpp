@@ -13,13 +13,12 @@ Illumination<Real>::Illumination(const Picture& picture, const kernels::KernelTa
       strength_(size),
       visibility_(size),
       ambient_(size),
+      lit_(size),
       shadow_origin_(size),
       shadow_direction_(size),
       shadow_distance_(size),
       shadow_epsilon_(size),
-      shadow_visibility_(size) {
-  lit_.reserve(size);
-}
+      shadow_visibility_(size) {}
 
 template <class Real>
 void Illumination<Real>::run(SurfacePass<Real>& surface, MaterialPass<Real>& materials, const bool& cancelled,
@@ -89,29 +88,33 @@ kernels::LightView<Real> Illumination<Real>::light_view(const Light& light) cons
 template <class Real>
 void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& light, const bool& cancelled,
                                       RenderStats& stats) {
+  const bool directional = light.kind == LightKind::kDirectional;
   lit_.clear();
   for (std::size_t i = 0; i < surface.count(); ++i) {
     if (!(cosine_[i] > Real(0) && strength_[i] > Real(0))) continue;
     const std::size_t k = lit_.size();
-    lit_.push_back(i);
+    lit_.push(i);
     shadow_origin_.x[k] = surface.origin.x[i];
     shadow_origin_.y[k] = surface.origin.y[i];
     shadow_origin_.z[k] = surface.origin.z[i];
+    if (directional) continue;
     shadow_direction_.x[k] = toward_.x[i];
     shadow_direction_.y[k] = toward_.y[i];
     shadow_direction_.z[k] = toward_.z[i];
     shadow_distance_[k] = distance_[i];
-    // no pixel footprint: in a corner the other wall is often nearer than that, and would cast a shadow
-    shadow_epsilon_[k] = epsilon_at(picture_.march, surface.origin.x[i], surface.origin.y[i], surface.origin.z[i]);
   }
+  // no pixel footprint: in a corner the other wall is often nearer than that, and would cast a shadow
+  set_epsilons(picture_.march, shadow_origin_, lit_.size(), shadow_epsilon_);
 
   RayColumns<Real> columns = own_columns(shadow_origin_, shadow_direction_, shadow_epsilon_);
-  if (light.kind == LightKind::kDirectional) {
+  kernels::Column<Real> t_max{shadow_distance_.data(), 0};
+  if (directional) {
     columns.dx = {nullptr, toward_.x[0]};
     columns.dy = {nullptr, toward_.y[0]};
     columns.dz = {nullptr, toward_.z[0]};
+    t_max = {nullptr, distance_[0]};
   }
-  const kernels::RayView<Real> rays = columns.view({shadow_distance_.data(), 0}, lit_.size());
+  const kernels::RayView<Real> rays = columns.view(t_max, lit_.size());
   const kernels::MarchParameters<Real> parameters =
       secondary_parameters(*picture_.program, picture_.march, columns.epsilon_slope, cancelled);
   const bool soft = picture_.shading.shadows == Shadows::kSoft && !picture_.program->is_solid();

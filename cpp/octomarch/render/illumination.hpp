@@ -39,7 +39,7 @@ class Illumination {
   VectorBuffer<Real> color_, toward_;
   Buffer<Real> distance_, cosine_, strength_, visibility_, ambient_;
   // shadow rays, gathered where a light is above the surface's horizon and sends light
-  std::vector<std::size_t> lit_;
+  IndexList lit_;
   VectorBuffer<Real> shadow_origin_, shadow_direction_;
   Buffer<Real> shadow_distance_, shadow_epsilon_, shadow_visibility_;
 };

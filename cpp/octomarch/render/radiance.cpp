@@ -1,7 +1,5 @@
 #include "octomarch/render/radiance.hpp"
 
-#include <numeric>
-
 namespace octomarch {
 
 template <class Real>
@@ -15,15 +13,13 @@ Radiance<Real>::Radiance(const Picture& picture, const Expressions& sky, const k
       sky_(sky, kernels, size),
       needs_normals_(illumination_.needs_normals() || picture.program->surface().uses_normal() ||
                      (materials_.reflects() && picture.shading.bounces > 0)),
-      root_(size),
-      share_(size) {}
+      mirrors_(size) {}
 
 template <class Real>
 void Radiance<Real>::light(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count,
                            SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
   for (Buffer<Real>* channel : {&color.x, &color.y, &color.z}) std::fill_n(channel->data(), count, Real(0));
-  std::iota(root_.begin(), root_.begin() + static_cast<std::ptrdiff_t>(count), std::size_t{0});
-  std::fill_n(share_.begin(), count, Real(1));
+  first_wave_ = true;
   bounces_left_ = materials_.reflects() ? picture_.shading.bounces : 0;
   light_wave(batch, rays, count, surface, cancelled, stats);
 }
@@ -66,7 +62,7 @@ void Radiance<Real>::light_wave(const RayBatch<Real>& batch, const RayColumns<Re
   for (std::size_t ray = 0; ray < count; ++ray) {
     if (static_cast<Status>(batch.status[ray]) == Status::kMiss) look(ray);
   }
-  for (std::size_t i = 0; i < surface.count(); ++i) {
+  for (std::size_t i = 0; surface.has_candidates() && i < surface.count(); ++i) {
     if (surface.is_nothing(i)) look(surface.ray(i));
   }
   add_sky(cancelled, stats);
@@ -80,28 +76,30 @@ void Radiance<Real>::add_surfaces(SurfacePass<Real>& surface) {
   for (std::size_t i = 0; i < surface.count(); ++i) {
     if (surface.is_nothing(i)) continue;
     const std::size_t ray = surface.ray(i);
-    Real share = share_[ray];
-    const Real mirrored = share * reflectivity[i];
-    if (bounces_left_ > 0 && mirrored > Real(0) && mirrored >= cutoff) {
-      mirrors_.push_back(i);
-      share *= Real(1) - reflectivity[i];
+    Real own = share(ray);
+    if (bounces_left_ > 0) {
+      const Real mirrored = own * reflectivity[i];
+      if (mirrored > Real(0) && mirrored >= cutoff) {
+        mirrors_.push(i);
+        own *= Real(1) - reflectivity[i];
+      }
     }
-    add(ray, share, illumination_.color(), i);
+    add(ray, own, illumination_.color(), i);
   }
 }
 
 template <class Real>
 void Radiance<Real>::add_sky(const bool& cancelled, RenderStats& stats) {
   stats.sky_evaluations += sky_.run(cancelled);
-  for (std::size_t i = 0; i < sky_.count(); ++i) add(sky_.ray(i), share_[sky_.ray(i)], sky_.color, i);
+  for (std::size_t i = 0; i < sky_.count(); ++i) add(sky_.ray(i), share(sky_.ray(i)), sky_.color, i);
 }
 
 template <class Real>
 void Radiance<Real>::add(std::size_t ray, Real share, const VectorBuffer<Real>& light, std::size_t i) {
-  const std::size_t root = root_[ray];
-  color.x[root] += share * light.x[i];
-  color.y[root] += share * light.y[i];
-  color.z[root] += share * light.z[i];
+  const std::size_t at = root(ray);
+  color.x[at] += share * light.x[i];
+  color.y[at] += share * light.y[i];
+  color.z[at] += share * light.z[i];
 }
 
 /// Makes the next wave of the surface points in mirrors_.
@@ -120,12 +118,14 @@ void Radiance<Real>::cast_mirror_rays(SurfacePass<Real>& surface) {
     mirror.batch.direction.x[k] = mirror.direction.x[i];
     mirror.batch.direction.y[k] = mirror.direction.y[i];
     mirror.batch.direction.z[k] = mirror.direction.z[i];
-    mirror.epsilon[k] = epsilon_at(picture_.march, mirror.origin.x[i], mirror.origin.y[i], mirror.origin.z[i]);
     // k ≤ i ≤ ray: what is overwritten has been read
     const std::size_t ray = surface.ray(i);
-    root_[k] = root_[ray];
-    share_[k] = share_[ray] * reflectivity[i];
+    const Real mirrored = share(ray) * reflectivity[i];
+    mirror.root[k] = static_cast<std::uint32_t>(root(ray));
+    mirror.share[k] = mirrored;
   }
+  set_epsilons(picture_.march, mirror.batch.origin, mirrors_.size(), mirror.epsilon);
+  first_wave_ = false;
 }
 
 template class Radiance<float>;

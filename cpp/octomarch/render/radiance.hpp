@@ -4,7 +4,6 @@
 #pragma once
 
 #include <memory>
-#include <vector>
 
 #include "octomarch/render/illumination.hpp"
 #include "octomarch/render/material_pass.hpp"
@@ -35,17 +34,23 @@ class Radiance {
 
  private:
   struct MirrorRays {
-    explicit MirrorRays(std::size_t size) : batch(size), epsilon(size), origin(size), direction(size) {}
+    explicit MirrorRays(std::size_t size)
+        : batch(size), epsilon(size), origin(size), direction(size), root(size), share(size) {}
 
     RayBatch<Real> batch;
     Buffer<Real> epsilon;
     VectorBuffer<Real> origin, direction;  ///< of all surface points, before those that reflect are gathered
+    // the ray of the batch to which each ray's light goes, and its share in that
+    Buffer<std::uint32_t> root;
+    Buffer<Real> share;
   };
 
   void light_wave(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count,
                   SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats);
   void add_surfaces(SurfacePass<Real>& surface);
   void add_sky(const bool& cancelled, RenderStats& stats);
+  Real share(std::size_t ray) const { return first_wave_ ? Real(1) : mirror_->share[ray]; }
+  std::size_t root(std::size_t ray) const { return first_wave_ ? ray : mirror_->root[ray]; }
   void add(std::size_t ray, Real share, const VectorBuffer<Real>& light, std::size_t i);
   void cast_mirror_rays(SurfacePass<Real>& surface);
 
@@ -56,10 +61,8 @@ class Radiance {
   SkyPass<Real> sky_;
   bool needs_normals_;
   int bounces_left_ = 0;
-  // of each ray of the current wave: the ray of the batch to which its light goes, and its share in that
-  std::vector<std::size_t> root_;
-  std::vector<Real> share_;
-  std::vector<std::size_t> mirrors_;  ///< surface points whose mirror rays are followed
+  bool first_wave_ = true;
+  IndexList mirrors_;  ///< surface points whose mirror rays are followed
   std::unique_ptr<MirrorRays> mirror_;
 };
 

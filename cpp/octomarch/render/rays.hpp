@@ -51,11 +51,14 @@ RayColumns<Real> own_columns(const VectorBuffer<Real>& origin, const VectorBuffe
           column(direction.y), column(direction.z), column(epsilon),  kUlpFloor<Real>};
 }
 
-/// Absolute part of the hit epsilon of a ray from (x, y, z) that has no pixel.
+/// Absolute parts of the hit epsilons of rays that have no pixel.
 template <class Real>
-Real epsilon_at(const March& march, Real x, Real y, Real z) {
-  return std::max(clamped<Real>(march.least_epsilon()),
-                  kUlpFloor<Real> * std::max({std::fabs(x), std::fabs(y), std::fabs(z)}));
+void set_epsilons(const March& march, const VectorBuffer<Real>& origin, std::size_t count, Buffer<Real>& epsilon) {
+  const Real least = clamped<Real>(march.least_epsilon());
+  for (std::size_t i = 0; i < count; ++i) {
+    const Real farthest = std::max({std::fabs(origin.x[i]), std::fabs(origin.y[i]), std::fabs(origin.z[i])});
+    epsilon[i] = std::max(least, kUlpFloor<Real> * farthest);
+  }
 }
 
 template <class Real>

@@ -1,11 +1,12 @@
 #include "octomarch/render/sky_pass.hpp"
 
+#include <vector>
+
 namespace octomarch {
 
 template <class Real>
 SkyPass<Real>::SkyPass(const Expressions& sky, const kernels::KernelTable<Real>& kernels, std::size_t size)
-    : color(size), kernels_(kernels), direction_(size) {
-  ray_.reserve(size);
+    : color(size), kernels_(kernels), direction_(size), ray_(size) {
   const std::vector<Real*> rows{color.x.data(), color.y.data(), color.z.data()};
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Expressions::Slot& slot = sky.slots[i];
@@ -21,7 +22,7 @@ SkyPass<Real>::SkyPass(const Expressions& sky, const kernels::KernelTable<Real>&
 template <class Real>
 void SkyPass<Real>::add(std::size_t ray, Real dx, Real dy, Real dz) {
   const std::size_t i = ray_.size();
-  ray_.push_back(ray);
+  ray_.push(ray);
   direction_.x[i] = dx;
   direction_.y[i] = dy;
   direction_.z[i] = dz;

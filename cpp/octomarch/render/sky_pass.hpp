@@ -3,7 +3,6 @@
 #pragma once
 
 #include <optional>
-#include <vector>
 
 #include "octomarch/kernels/dispatch.hpp"
 #include "octomarch/render/loaded_tape.hpp"
@@ -30,7 +29,7 @@ class SkyPass {
  private:
   const kernels::KernelTable<Real>& kernels_;
   VectorBuffer<Real> direction_;
-  std::vector<std::size_t> ray_;
+  IndexList ray_;
   std::optional<LoadedExpressions<Real>> channels_;  ///< those that are not constant
 };
 

@@ -36,22 +36,22 @@ SurfacePass<Real>::SurfacePass(const Program& program, const kernels::KernelTabl
       epsilon(size),
       program_(program),
       kernels_(kernels),
+      ray_(size),
+      status_(size),
       object_(size),
-      field_(program.distance(), TapeUse::kMarches) {
-  ray_.reserve(size);
-  status_.reserve(size);
-}
+      field_(program.distance(), TapeUse::kMarches) {}
 
 template <class Real>
 void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count) {
   ray_.clear();
-  status_.clear();
+  has_candidates_ = false;
   for (std::size_t i = 0; i < count; ++i) {
     const auto status = static_cast<Status>(batch.status[i]);
     if (status != Status::kHit && status != Status::kStepLimit) continue;
     const std::size_t k = ray_.size();
-    ray_.push_back(i);
-    status_.push_back(status);
+    ray_.push(i);
+    status_[k] = batch.status[i];
+    has_candidates_ |= status == Status::kStepLimit;
     const Real t = batch.t[i];
     direction.x[k] = RayColumns<Real>::at(rays.dx, i);
     direction.y[k] = RayColumns<Real>::at(rays.dy, i);

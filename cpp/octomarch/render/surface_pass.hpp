@@ -29,14 +29,14 @@ class SurfacePass {
   /// Index in the batch of surface point i.
   std::size_t ray(std::size_t i) const { return ray_[i]; }
   /// Did the march find surface point i, or only a candidate?
-  Status status(std::size_t i) const { return status_[i]; }
+  Status status(std::size_t i) const { return static_cast<Status>(status_[i]); }
   std::int32_t object(std::size_t i) const { return static_cast<std::int32_t>(object_[i]); }
   /// Is any surface point only a candidate?
-  bool has_candidates() const { return std::ranges::find(status_, Status::kStepLimit) != status_.end(); }
+  bool has_candidates() const { return has_candidates_; }
   /// Is surface point i a candidate whose surface faces away? Then the ray sees none. Normals must be known.
   bool is_nothing(std::size_t i) const {
-    const Real away = normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i];
-    return status_[i] == Status::kStepLimit && away >= Real(0);
+    if (status(i) != Status::kStepLimit) return false;
+    return normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i] >= Real(0);
   }
   kernels::SurfaceView<Real> view();
   /// The distance program, with memory for marches.
@@ -48,8 +48,9 @@ class SurfacePass {
  private:
   const Program& program_;
   const kernels::KernelTable<Real>& kernels_;
-  std::vector<std::size_t> ray_;
-  std::vector<Status> status_;
+  IndexList ray_;
+  Buffer<std::uint8_t> status_;
+  bool has_candidates_ = false;
   Buffer<Real> object_;
   LoadedTape<Real> field_;
   std::optional<LoadedTape<Real>> gradient_;

@@ -120,9 +120,15 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Expressions& sky,
   columns_.epsilon_slope = clamped<Real>(std::max(floor, tolerance * frame_.pixel_slope));
 }
 
+/// Is a plane wanted that says something of surface points?
+template <class Real>
+bool TileRenderer<Real>::needs_points() const {
+  return planes_.position || planes_.normal || planes_.object_id || planes_.material_id;
+}
+
 template <class Real>
 bool TileRenderer<Real>::needs_surface() const {
-  return planes_.color || planes_.position || planes_.normal || planes_.object_id || planes_.material_id;
+  return planes_.color || needs_points();
 }
 
 template <class Real>
@@ -151,13 +157,13 @@ void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& p
 
   const auto shading_start = std::chrono::steady_clock::now();
   write_rays(tile);
+  if (needs_points()) clear(tile);
   if (needs_surface()) {
-    clear(tile);
     surface_->gather(batch_, columns_, rays_);
     const bool lit = planes_.color && (radiance_->needs_normals() || surface_->has_candidates());
     if (lit || planes_.normal) stats_.gradient_evaluations += surface_->find_normals(picture_.shading, cancelled);
     if (planes_.object_id || planes_.material_id) stats_.attribute_evaluations += surface_->find_objects(cancelled);
-    write_surfaces(tile);
+    if (needs_points()) write_surfaces(tile);
   }
   if (planes_.color) radiance_->light(batch_, columns_, rays_, *surface_, cancelled, stats_);
   stats_.seconds_shade += seconds_since(shading_start);

@@ -46,6 +46,7 @@ class TileRenderer {
   void write_surfaces(const kernels::TileView& tile);
   void write_color(const kernels::TileView& tile);
   void add_sample(const kernels::TileView& tile, std::size_t sample);
+  bool needs_points() const;
   bool needs_surface() const;
 
   const Picture& picture_;
