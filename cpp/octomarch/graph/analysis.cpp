@@ -275,7 +275,7 @@ FieldFacts turned_facts(const Node& node, const FieldFacts& child) {
   return facts;
 }
 
-FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& children) {
+FieldFacts primitive_facts(const Node& node) {
   const auto p = node.parameters();
   switch (node.kind()) {
     case NodeKind::kSphere: return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll | kIsotropic);
@@ -296,62 +296,81 @@ FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& chil
     case NodeKind::kPolygon: return primitive(polygon_box(node), kMirrorX << 2U);
     case NodeKind::kField: return field_facts(node);
     case NodeKind::kSolid: return {};
-    case NodeKind::kUnion: return union_facts(p[0] / 4.0, children);
-    case NodeKind::kMetaballs: return union_facts(p[0] * std::numbers::ln2, children);
-    case NodeKind::kIntersection: return intersection_facts(children);
-    case NodeKind::kDifference: return difference_facts(children);
+    default: return {};
+  }
+}
+
+/// Of operators over one distance.
+FieldFacts distance_facts(const Node& node, const FieldFacts& child) {
+  const auto p = node.parameters();
+  switch (node.kind()) {
     case NodeKind::kComplement: {
       FieldFacts facts;
-      facts.lipschitz = children[0]->lipschitz;
-      facts.symmetry = children[0]->symmetry;
+      facts.lipschitz = child.lipschitz;
+      facts.symmetry = child.symmetry;
       return facts;
     }
     case NodeKind::kRound:
-    case NodeKind::kShell:
-      return carried(*children[0], children[0]->symmetry, [&](const LevelBox& box) { return grown(box, p[0]); });
+    case NodeKind::kShell: return carried(child, child.symmetry, [&](const LevelBox& box) { return grown(box, p[0]); });
     case NodeKind::kDisplace: {
-      FieldFacts facts = carried(*children[0], 0, [&](const LevelBox& box) { return grown(box, p[1]); });
+      FieldFacts facts = carried(child, 0, [&](const LevelBox& box) { return grown(box, p[1]); });
       facts.lipschitz += p[0];
       return facts;
     }
     case NodeKind::kExtrude: {
-      FieldFacts facts = carried(*children[0], (children[0]->symmetry & kMirrorAll) | kMirrorX << 2U,
+      FieldFacts facts = carried(child, (child.symmetry & kMirrorAll) | kMirrorX << 2U,
                                  [&](const LevelBox& box) { return between(box, p[0]); });
       facts.focus = is_bounded(facts.level) ? std::optional(facts.level) : std::nullopt;
       facts.lipschitz = std::max(facts.lipschitz, 1.0);
       return facts;
     }
+    default: return child;  // a paint
+  }
+}
+
+/// Of operators over points.
+FieldFacts point_facts(const Node& node, const FieldFacts& child) {
+  const auto p = node.parameters();
+  switch (node.kind()) {
     case NodeKind::kRevolve: {
-      FieldFacts facts = carried(*children[0], (children[0]->symmetry & kMirrorAll) | kMirrorX | kMirrorX << 2U,
+      FieldFacts facts = carried(child, (child.symmetry & kMirrorAll) | kMirrorX | kMirrorX << 2U,
                                  [&](const LevelBox& box) { return revolved(box, p[0]); });
       facts.focus = is_bounded(facts.level) ? std::optional(facts.level) : std::nullopt;
       return facts;
     }
     case NodeKind::kStretch:
-      return carried(*children[0], children[0]->symmetry & kMirrorAll,
+      return carried(child, child.symmetry & kMirrorAll,
                      [&](const LevelBox& box) { return stretched(box, {p[0], p[1], p[2]}); });
     case NodeKind::kMirror:
-      return carried(*children[0], children[0]->symmetry | kMirrorX << static_cast<unsigned>(p[0]),
+      return carried(child, child.symmetry | kMirrorX << static_cast<unsigned>(p[0]),
                      [&](const LevelBox& box) { return mirrored(box, p[0]); });
     case NodeKind::kElongate:
-      return carried(*children[0], children[0]->symmetry & kMirrorAll, [&](const LevelBox& box) {
+      return carried(child, child.symmetry & kMirrorAll, [&](const LevelBox& box) {
         return LevelBox{box.lo - Vec3{p[0], p[1], p[2]}, box.hi + Vec3{p[0], p[1], p[2]}, box.growth};
       });
     case NodeKind::kTwist:
-    case NodeKind::kBend: return turned_facts(node, *children[0]);
+    case NodeKind::kBend: return turned_facts(node, child);
     case NodeKind::kTranslate:
-      return carried(*children[0], translated_symmetry(children[0]->symmetry, node),
+      return carried(child, translated_symmetry(child.symmetry, node),
                      [&](const LevelBox& box) { return moved(box, {p[0], p[1], p[2]}); });
     case NodeKind::kRotate:
-      return carried(*children[0], rotated_symmetry(children[0]->symmetry, p),
-                     [&](const LevelBox& box) { return rotated(box, p); });
+      return carried(child, rotated_symmetry(child.symmetry, p), [&](const LevelBox& box) { return rotated(box, p); });
     case NodeKind::kScale:
-      return carried(*children[0], children[0]->symmetry, [&](const LevelBox& box) { return scaled(box, p[0]); });
+      return carried(child, child.symmetry, [&](const LevelBox& box) { return scaled(box, p[0]); });
     case NodeKind::kRepeat:
-      return carried(*children[0], children[0]->symmetry & kMirrorAll,
-                     [&](const LevelBox& box) { return repeated(box, node); });
-    case NodeKind::kPaint: return *children[0];
-    default: return {};  // expressions are no fields
+      return carried(child, child.symmetry & kMirrorAll, [&](const LevelBox& box) { return repeated(box, node); });
+    default: return distance_facts(node, child);
+  }
+}
+
+FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& children) {
+  if (children.empty()) return primitive_facts(node);
+  switch (node.kind()) {
+    case NodeKind::kUnion: return union_facts(node.parameter(0) / 4.0, children);
+    case NodeKind::kMetaballs: return union_facts(node.parameter(0) * std::numbers::ln2, children);
+    case NodeKind::kIntersection: return intersection_facts(children);
+    case NodeKind::kDifference: return difference_facts(children);
+    default: return point_facts(node, *children[0]);
   }
 }
 

@@ -165,9 +165,9 @@ bool is_flat(const Node& shape) {
       case NodeKind::kStretch:
       case NodeKind::kMirror: return false;
       case NodeKind::kCylinder: return p[1] != 2.0;
-      case NodeKind::kPlane: return p[2] != 0.0;
       case NodeKind::kRotate: return p[8] != 1.0;
-      case NodeKind::kRepeat: return p[2] != 0.0;
+      case NodeKind::kPlane:
+      case NodeKind::kRepeat:
       case NodeKind::kElongate: return p[2] != 0.0;
       case NodeKind::kField:
       case NodeKind::kSolid:

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <numeric>
 #include <queue>
 #include <utility>
 
@@ -117,7 +118,7 @@ Tape allocate(const DataFlow& flow, std::span<const ValueId> results) {
   const std::vector<std::uint32_t> last = last_uses(flow, order, results);
   const std::uint32_t inputs_read = inputs_that_are_read(flow, order, results);
   std::vector<std::uint16_t> register_of(flow.value_count(), 0);
-  for (std::uint16_t i = 0; i < flow.input_count(); ++i) register_of[i] = i;
+  std::iota(register_of.begin(), register_of.begin() + flow.input_count(), std::uint16_t{0});
 
   RegisterFile registers(inputs_read);
   Tape tape;

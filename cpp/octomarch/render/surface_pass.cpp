@@ -16,7 +16,8 @@ template <class Real>
 std::vector<Real> neighbours() {
   std::vector<Real> offsets;
   for (int i = 0; i < 27; ++i) {
-    const Vec3 offset{i / 9 - 1.0, i / 3 % 3 - 1.0, i % 3 - 1.0};
+    const Vec3 offset{static_cast<double>(i / 9 - 1), static_cast<double>(i / 3 % 3 - 1),
+                      static_cast<double>(i % 3 - 1)};
     if (offset == Vec3{}) continue;
     const Vec3 unit = normalized(offset);
     for (const double component : {unit.x, unit.y, unit.z}) offsets.push_back(static_cast<Real>(component));
