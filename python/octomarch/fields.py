@@ -5,6 +5,11 @@ Expressions come before it (`expressions`, `functions`); the shapes combine with
 
 from __future__ import annotations
 
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import Vec3, VectorLike
@@ -13,7 +18,9 @@ from octomarch.shapes import Shape
 
 
 def field(
-    expression: ExpressionLike, lipschitz: float | None = None, bounds: tuple[VectorLike, VectorLike] | None = None
+    expression: ExpressionLike,
+    lipschitz: float | None = None,
+    bounds: tuple[VectorLike, VectorLike] | NDArray[Any] | None = None,
 ) -> Shape:
     """Return the shape whose field is an expression: the solid is where it is at most 0.
 
@@ -28,8 +35,8 @@ def field(
     lipschitz : float, optional
         Bound of the slope ≥ 0: how much the field can change per scene unit. None: found.
     bounds : (lo, hi), optional
-        Two corners; the shape is cut to the box between them, so that the bound need hold only there. Infinite
-        components leave a side open.
+        Two corners; the shape is cut to the box between them, so that the bound need hold only there. An axis that is
+        infinite in both has no ends.
 
     Returns
     -------
@@ -66,8 +73,8 @@ def field(
 def solid(condition: ExpressionLike) -> Shape:
     """Return a shape of which only inside and outside are known: the points where the condition holds.
 
-    Such a shape has no distances: its field is the smallest number there is, positive outside and negative inside. Only
-    a march of fixed steps finds it, and parts thinner than a step may be missed.
+    Such a shape has no distances: its field is ±2⁻¹²⁶, positive outside and negative inside. Only a march of fixed
+    steps finds it, ``om.March(method="fixed")``, and parts thinner than a step may be missed.
 
     Parameters
     ----------
@@ -90,14 +97,18 @@ def solid(condition: ExpressionLike) -> Shape:
     >>> ball = om.solid(x * x + y * y + z * z <= 1)
     >>> (ball.distance([[0, 0, 0], [2, 0, 0]]) <= 0).tolist()
     [True, False]
+    >>> hit = ball.raycast([0, 0, 3], [0, 0, -1], march=om.March(method="fixed", step=0.01), t_max=6)
+    >>> bool(abs(hit.t - 2) <= 0.01)
+    True
     """
     return Shape(_core.solid(operand("condition", condition)))
 
 
-def _corners(bounds: tuple[VectorLike, VectorLike] | None) -> tuple[Vec3, Vec3] | None:
+def _corners(bounds: tuple[VectorLike, VectorLike] | NDArray[Any] | None) -> tuple[Vec3, Vec3] | None:
     if bounds is None:
         return None
-    items = check.sequence("bounds", bounds, "two corners")
+    rows = list(bounds) if isinstance(bounds, np.ndarray) and bounds.ndim == 2 else bounds
+    items = check.sequence("bounds", rows, "two corners")
     if len(items) != 2:
         raise ValueError(f"bounds must be two corners, got {check.shown(bounds)}")
     return check.vector("bounds[0]", items[0]), check.vector("bounds[1]", items[1])

@@ -130,9 +130,7 @@ NodePtr field(NodePtr expression, std::optional<double> lipschitz, const std::op
   require_field_expression(expression);
   if (lipschitz) require_length(*lipschitz, "lipschitz");
   const Aabb box = bounds.value_or(Aabb{});
-  const bool proper = box.lo.x < box.hi.x && box.lo.y < box.hi.y && box.lo.z < box.hi.z;
-  require(proper, "bounds", "two corners, each coordinate of the first below the second's",
-          text(box.lo) + " and " + text(box.hi));
+  require_field_bounds(box);
   if (!lipschitz) {
     lipschitz = expression_bounds(*expression, box).slope;
     require(std::isfinite(*lipschitz), "lipschitz",

@@ -45,6 +45,13 @@ inline void require_field_expression(const NodePtr& node) {
   require(!uses_normal(*node), "expression", "without the normal, which only materials have", "one with it");
 }
 
+inline void require_field_bounds(const Aabb& box) {
+  const auto proper = [](double lo, double hi) { return lo < hi && std::isfinite(lo) == std::isfinite(hi); };
+  require(proper(box.lo.x, box.hi.x) && proper(box.lo.y, box.hi.y) && proper(box.lo.z, box.hi.z), "bounds",
+          "two corners, the first below the second on each axis and both finite or infinite there",
+          text(box.lo) + " and " + text(box.hi));
+}
+
 inline void require_axis_number(int axis) { require(axis >= 0 && axis <= 2, "axis", "0, 1 or 2", axis); }
 
 }  // namespace octomarch

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "octomarch/base/error.hpp"
+#include "octomarch/graph/checks.hpp"
 #include "octomarch/graph/text.hpp"
 
 namespace octomarch {
@@ -154,7 +155,7 @@ void check_whole(NodeKind kind, const std::vector<double>& p, const std::vector<
     case NodeKind::kPolygon:
       return require(p.size() >= 6 && p.size() % 2 == 0, "corners", "three points or more",
                      std::to_string(p.size()) + " numbers");
-    case NodeKind::kField:
+    case NodeKind::kField: require_field_bounds({{p[1], p[2], p[3]}, {p[4], p[5], p[6]}}); [[fallthrough]];
     case NodeKind::kDisplace: return require(p[0] >= 0.0, "lipschitz", ">= 0", text(p[0]));
     case NodeKind::kMetaballs: return require(p[0] > 0.0, "k", "> 0", text(p[0]));
     case NodeKind::kRotate: return check_rotation(p);

@@ -241,9 +241,7 @@ class Lowering {
     for (std::size_t axis = 0; axis < 3; ++axis) {
       const double lo = p[1 + axis];
       const double hi = p[4 + axis];
-      const bool is_whole = std::isfinite(lo) && std::isfinite(hi);
-      if (!is_whole && (std::isfinite(lo) || std::isfinite(hi)))
-        throw SceneError("bounds end on one side of an axis only");
+      const bool is_whole = std::isfinite(lo);  // as both ends are, or neither
       constants[axis] = is_whole ? 0.5 * (lo + hi) : 0.0;
       constants[3 + axis] = is_whole ? 0.5 * (hi - lo) : kInfinity;
     }
