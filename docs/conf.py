@@ -24,6 +24,7 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     "sphinx_codeautolink",
     "examples",
+    "gallery_pictures",
     "project_links",
     "reference_pages",
 ]

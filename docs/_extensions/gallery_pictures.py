@@ -1,15 +1,28 @@
 """What sphinx-gallery asks of us: where a gallery script shall save its picture, and which picture it then shows.
 
 A script of `examples/gallery` saves one picture under the name that it gets as its argument; `conf.py` names both
-functions. The pictures stay in `out/gallery`.
+functions. The pictures stay in `out/gallery`. Where a script builds on a module that several share, its page shows that
+module too.
 """
 
+import re
 from pathlib import Path
 from typing import Any
 
 import PIL.Image
+from sphinx.application import Sphinx
 
 OUTPUT = Path(__file__).parents[2] / "out" / "gallery"
+
+
+_SHARED = re.compile(r"^ +from (_\w+) import", re.MULTILINE)
+_AFTER_CODE = ".. _sphx_glr_download_"
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    """Register with Sphinx."""
+    app.connect("source-read", _show_shared_modules)
+    return {"parallel_read_safe": True}
 
 
 def output_argument(_: dict[str, Any], script: dict[str, Any]) -> list[str]:
@@ -35,3 +48,10 @@ def saved_picture(_: tuple[str, str, int], block_vars: dict[str, Any], conf: dic
 
 def _picture_of(script: dict[str, Any]) -> Path:
     return OUTPUT / Path(script["src_file"]).with_suffix(".png").name
+
+
+def _show_shared_modules(_: Sphinx, docname: str, source: list[str]) -> None:
+    if docname.startswith("gallery/"):
+        names = _SHARED.findall(source[0])
+        shown = [f"``{name}.py``:\n\n.. literalinclude:: /../examples/gallery/{name}.py\n\n" for name in names]
+        source[0] = source[0].replace(_AFTER_CODE, "".join(shown) + _AFTER_CODE, 1)

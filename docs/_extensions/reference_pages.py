@@ -21,6 +21,7 @@ HERE = Path(__file__).parents[1]
 def setup(app: Sphinx) -> dict[str, bool]:
     """Register with Sphinx."""
     app.connect("config-inited", _write_pages)
+    app.connect("autodoc-process-signature", _without_internals)
     return {"parallel_read_safe": True}
 
 
@@ -76,3 +77,10 @@ def _entry(name: str) -> list[str]:
     if callable(thing):
         return [f".. autofunction:: octomarch.{name}", ""]
     return [f".. autodata:: octomarch.{name}", ""]
+
+
+def _without_internals(_app: Sphinx, kind: str, _name: str, thing: Any, *_: object) -> tuple[str, None] | None:
+    """Leave out the arguments of classes that users do not construct: those whose docstring names none."""
+    if kind == "class" and "Parameters\n" not in (inspect.getdoc(thing) or ""):
+        return "", None
+    return None
