@@ -53,7 +53,10 @@ GRAZED = "shape = om.plane(); camera = om.Camera((0, 1e-3, 0), (1, 0, 0), fov=0.
 WORK = {
     "many pixels": (SMALL, "om.render(shape, camera, (16000, 16000), progress=note)"),
     "many steps": (GRAZED, "om.render(shape, camera, (4000, 4000), progress=note, march=om.March(max_steps=10**6))"),
-    "fixed steps": (GRAZED, "om.render(shape, camera, (4000, 4000), progress=note, march=om.March('fixed', step=1e-5))"),
+    "fixed steps": (
+        GRAZED,
+        "om.render(shape, camera, (4000, 4000), progress=note, march=om.March('fixed', step=1e-5))",
+    ),
     "many samples": (SMALL, "om.render(shape, camera, (4000, 4000), progress=note, samples=64)"),
     "a large scene": (LARGE, "om.render(shape, camera, (4000, 4000), progress=note)"),
     "occlusion of a large scene": (
