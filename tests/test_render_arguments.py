@@ -97,6 +97,31 @@ def test_metadata_tells_how_the_picture_was_made():
     json.dumps(metadata)
 
 
+def test_metadata_describes_materials_lights_and_skies_as_plain_data():
+    x, _, _ = om.coordinates()
+    painted = BALL.paint(om.Material(om.checker(0, 1), roughness=0.2, reflectivity=om.clamp(x, 0, 1)))
+    lights = [
+        om.SpotLight((0, 3, 0), target=(0, 0, 0), angle=30),
+        om.PointLight((1, 2, 3)),
+        om.DirectionalLight((0, -1, 0)),
+    ]
+    sky = om.EnvironmentMap(np.ones((200, 400, 3), np.float32), rotation=90)
+    scene = om.render(om.Scene(painted, sky=sky, lights=lights), CAMERA, SMALL).metadata["scene"]
+    material = scene["materials"][0]
+    assert material["roughness"] == 0.2
+    assert material["color"].startswith("<Texture")
+    assert material["reflectivity"].startswith("<Expression")
+    assert [light["type"] for light in scene["lights"]] == ["SpotLight", "PointLight", "DirectionalLight"]
+    assert scene["lights"][0]["direction"] == (0, -3, 0)
+    assert scene["lights"][0]["angle"] == 30
+    assert scene["sky"] == {"type": "EnvironmentMap", "image": "400 x 200 pixels", "rotation": 90, "intensity": 1}
+    assert len(json.dumps(scene)) < 3000
+    for other in (om.ConstantSky(1), om.GradientSky([(0, 1), (9, 2)]), om.CustomSky(om.checker(0, 1)), om.Sky()):
+        found = om.render(om.Scene(BALL, sky=other), CAMERA, SMALL).metadata["scene"]["sky"]
+        assert found["type"] == type(other).__name__
+        json.dumps(found)
+
+
 def test_metadata_of_large_scenes_stays_small():
     many = om.union(*(om.sphere(0.1, center=(i % 20, i // 20, 0)) for i in range(500)))
     assert len(json.dumps(om.render(many, size=SMALL).metadata)) < 2000

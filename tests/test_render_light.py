@@ -195,6 +195,7 @@ SHADINGS = {
     "soft": om.Shading(shadows="soft", occlusion=5),
     "hard": om.Shading(shadows="hard", occlusion=0),
     "central": om.Shading(normals="central", shadows="none", occlusion=3),
+    "tetrahedron": om.Shading(normals="tetrahedron", shadows="none", occlusion=0),
 }
 TYPICAL, STEEP = 64, 1e5
 """What a picture magnifies the unit roundoff by, relative to the eye's distance: at the median pixel, where some dozen

@@ -164,3 +164,12 @@ def test_skies_are_those_of_the_reference(name: str, precision: str):
     truth = om.reference.render(scene, AROUND, SIZE)
     image = om.render(scene, AROUND, SIZE, precision=precision)
     assert_allclose(image.color, truth.color, rtol=0, atol=MAGNIFIED * unit_roundoff(precision))
+
+
+@pytest.mark.parametrize("name", SKIES)
+def test_skies_have_equal_bits_on_all_isas_and_threads(name: str, precision: str):
+    scene = om.Scene(NOTHING, sky=SKIES[name])
+    expected = om.render(scene, AROUND, SIZE, precision=precision, isa="scalar", threads=1).color
+    for isa in om.isas():
+        found = om.render(scene, AROUND, SIZE, precision=precision, isa=isa, threads=2).color
+        assert_array_equal(found.view(np.uint8), expected.view(np.uint8), isa)

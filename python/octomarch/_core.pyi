@@ -223,6 +223,8 @@ class Program(metaclass=_Bound):
     @property
     def focus(self) -> tuple[_Vec3, _Vec3] | None: ...
     @property
+    def is_solid(self) -> bool: ...
+    @property
     def instructions(self) -> int: ...
     @property
     def registers(self) -> int: ...
@@ -242,6 +244,7 @@ def raycast(
     origins: NDArray[np.float64],
     directions: NDArray[np.float64],
     march: March,
+    shading: Shading,
     t_max: float,
     precision: str,
     planes: Sequence[str],

@@ -59,8 +59,8 @@ class March:
     ----------
     method : {"plain", "fixed"}
         Of ``"plain"``, sphere tracing, each step is r. Of ``"fixed"`` it is ``max(r, step)``, or the hit epsilon where
-        that is more. It also finds solids whose field says no more than inside and outside, and may miss what is
-        thinner than a step.
+        that is more. It also finds solids whose field says no more than inside and outside (`octomarch.solid`), which
+        are always marched by it, and may miss what is thinner than a step.
     max_steps : int, optional
         Evaluations per ray at the most, ≥ 1. Rays that spend them all end as `Status.STEP_LIMIT`. None: 256; with fixed
         steps as many as may be needed from ``min_distance`` to ``max_distance``.
@@ -71,7 +71,8 @@ class March:
         Hit epsilon in pixel radii, ≥ 0: 0.5 for a draft, 0.1 is fine.
     max_distance : float, optional
         Farthest distance marched, > 0, in scene units. None: where everything is bounded, enough to pass all of it
-        from the eye or any origin; else 1000 times the scene's size, or its distance from the eye if that is more.
+        from the eye or any origin; else 1000 times the scene's size, or its distance from the eye if that is more. Ten
+        times where there are solids of which only inside and outside are known.
     min_distance : float
         Where t begins, ≥ 0 and less than ``max_distance``, in scene units. Rays that begin in the solid are
         `Status.INSIDE`. Shadow and mirror rays begin at their surface nonetheless.
@@ -177,16 +178,19 @@ class March:
         3.57
         """
         epsilon, max_distance, step, max_steps = self.epsilon, self.max_distance, self.step, self.max_steps
+        method: Method = "fixed" if program.is_solid else self.method
         if epsilon is None:
             epsilon = (1e-6 if pixels else 1e-5) * program.size
         if max_distance is None:
             max_distance = _reach(program, check.points("origins", origins).reshape(-1, 3))
             max_distance = max(max_distance, math.nextafter(self.min_distance, math.inf))
-        if step is None and self.method == "fixed":
+        if step is None and method == "fixed":
             step = 1e-3 * program.size
         if max_steps is None:
             max_steps = _PLAIN_STEPS if step is None else _steps_to_pass(max_distance - self.min_distance, step)
-        return replace(self, epsilon=epsilon, max_distance=max_distance, step=step, max_steps=max_steps)
+        return replace(
+            self, method=method, epsilon=epsilon, max_distance=max_distance, step=step, max_steps=max_steps
+        )
 
     def _native(self) -> _core.March:
         """Convert settings that `resolve` has filled."""
@@ -226,5 +230,6 @@ def _reach(program: Program, origins: np.ndarray[tuple[int, int], np.dtype[np.fl
     else:
         centre = np.mean(program.focus or ((0.0, 0.0, 0.0),), axis=0)
         away = np.linalg.norm(origins - centre, axis=1).max(initial=0.0)
-        reach = 1000.0 * max(program.size, float(away))
+        sizes = 10.0 if program.is_solid else 1000.0  # fixed steps take as long as the way is
+        reach = sizes * max(program.size, float(away))
     return min(max(reach, sys.float_info.min), sys.float_info.max)

@@ -68,6 +68,11 @@ class Program:
         return math.dist(*self.focus) or 1.0
 
     @property
+    def is_solid(self) -> bool:
+        """Is a part of the shape known by no more than its inside (`octomarch.solid`)? Then it is marched by steps."""
+        return self._native.is_solid
+
+    @property
     def instructions(self) -> int:
         """Number of instructions of the distance program."""
         return self._native.instructions

@@ -19,6 +19,7 @@ from octomarch import _validate as check
 from octomarch._validate import Precision
 from octomarch.march import March
 from octomarch.program import Program
+from octomarch.shading import Shading
 
 Floats: TypeAlias = NDArray[np.floating[Any]]
 HitPlane: TypeAlias = Literal["t", "position", "normal", "object_id", "material_id", "steps", "status"]
@@ -215,7 +216,8 @@ class Field:
         options = check.precision(precision), names, check.threads(threads), check.isa(isa)
         program = self._compiled()
         native = march.resolve(program, origins, pixels=False)._native()
-        found = _core.raycast(program._native, starts, aims, native, limit, *options)
+        normals = Shading().resolve(program)._native()
+        found = _core.raycast(program._native, starts, aims, native, normals, limit, *options)
         return Hits({name: found[name].reshape(shape + found[name].shape[1:]) for name in names})
 
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -89,9 +89,9 @@ Hits<Real> hits_named(const std::vector<std::string>& names, Results& results) {
   return hits;
 }
 
-py::dict raycast(const Program& program, const Rows& origins, const Rows& directions, const March& march, double t_max,
-                 const std::string& precision, const std::vector<std::string>& planes, int threads,
-                 const std::string& isa) {
+py::dict raycast(const Program& program, const Rows& origins, const Rows& directions, const March& march,
+                 const Shading& shading, double t_max, const std::string& precision,
+                 const std::vector<std::string>& planes, int threads, const std::string& isa) {
   const std::span<const double> from = triples(origins, "origins");
   const std::span<const double> along = triples(directions, "directions");
   require(from.size() == along.size(), "directions", "as many as origins", directions.shape(0));
@@ -102,7 +102,7 @@ py::dict raycast(const Program& program, const Rows& origins, const Rows& direct
     const Hits<Real> hits = hits_named<Real>(planes, results);
     {
       const py::gil_scoped_release release;
-      query_rays(program, from.data(), along.data(), from.size() / 3, march, t_max, hits, how);
+      query_rays(program, from.data(), along.data(), from.size() / 3, march, shading, t_max, hits, how);
     }
     return results.take();
   });
@@ -132,6 +132,7 @@ void register_program(py::module_& module) {
       .def_property_readonly("lipschitz", &Program::lipschitz)
       .def_property_readonly("bounds", [](const Program& program) { return box_of(program.bounds()); })
       .def_property_readonly("focus", &focus_of)
+      .def_property_readonly("is_solid", &Program::is_solid)
       .def_property_readonly("instructions", [](const Program& program) { return program.distance().code.size(); })
       .def_property_readonly("registers", [](const Program& program) { return program.distance().registers; })
       .def_property_readonly("attribute_instructions",
@@ -147,7 +148,8 @@ void register_program(py::module_& module) {
   module.def("gradient", &gradient, py::arg("program"), py::arg("points"), py::arg("precision"), py::arg("threads"),
              py::arg("isa"));
   module.def("raycast", &raycast, py::arg("program"), py::arg("origins"), py::arg("directions"), py::arg("march"),
-             py::arg("t_max"), py::arg("precision"), py::arg("planes"), py::arg("threads"), py::arg("isa"));
+             py::arg("shading"), py::arg("t_max"), py::arg("precision"), py::arg("planes"), py::arg("threads"),
+             py::arg("isa"));
   module.def("isas", &isas);
   module.def("resolve_isa", [](const std::string& isa) { return kernels::find_isa(isa).name; }, py::arg("isa"));
   module.def("build_info", &build_info);

@@ -105,14 +105,15 @@ void set_rays(RayScratch<Real>& s, const double* origins, const double* directio
 /// Writes the surface quantities of one chunk over the values that rays without a surface have.
 template <class Real>
 void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t first, std::size_t count,
-                    const RayColumns<Real>& columns, const Hits<Real>& out, const bool& cancelled) {
+                    const RayColumns<Real>& columns, const Shading& shading, const Hits<Real>& out,
+                    const bool& cancelled) {
   if (out.position) std::fill_n(out.position + 3 * first, 3 * count, Real(0));
   if (out.normal) std::fill_n(out.normal + 3 * first, 3 * count, Real(0));
   if (out.object_id) std::fill_n(out.object_id + first, count, -1);
   if (out.material_id) std::fill_n(out.material_id + first, count, -1);
   SurfacePass<Real>& surface = s.surface;
   surface.gather(s.batch, columns, count);
-  if (out.normal) surface.find_normals(Shading{}, cancelled);
+  if (out.normal) surface.find_normals(shading, cancelled);
   if (out.object_id || out.material_id) surface.find_objects(cancelled);
   for (std::size_t i = 0; i < surface.count(); ++i) {
     const std::size_t ray = first + surface.ray(i);
@@ -166,7 +167,7 @@ void query_gradient(const Program& program, const double* points, std::size_t co
 
 template <class Real>
 void query_rays(const Program& program, const double* origins, const double* directions, std::size_t count,
-                const March& march, double t_max, const Hits<Real>& out, const Execution& how) {
+                const March& march, const Shading& shading, double t_max, const Hits<Real>& out, const Execution& how) {
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
@@ -187,7 +188,7 @@ void query_rays(const Program& program, const double* origins, const double* dir
         }
         if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
         if (out.position || out.normal || out.object_id || out.material_id) {
-          write_surfaces(s, program, first, n, columns, out, cancelled);
+          write_surfaces(s, program, first, n, columns, shading, out, cancelled);
         }
       });
 }
@@ -196,9 +197,9 @@ template void query_distance(const Program&, const double*, std::size_t, float*,
 template void query_distance(const Program&, const double*, std::size_t, double*, const Execution&);
 template void query_gradient(const Program&, const double*, std::size_t, float*, const Execution&);
 template void query_gradient(const Program&, const double*, std::size_t, double*, const Execution&);
-template void query_rays(const Program&, const double*, const double*, std::size_t, const March&, double,
-                         const Hits<float>&, const Execution&);
-template void query_rays(const Program&, const double*, const double*, std::size_t, const March&, double,
-                         const Hits<double>&, const Execution&);
+template void query_rays(const Program&, const double*, const double*, std::size_t, const March&, const Shading&,
+                         double, const Hits<float>&, const Execution&);
+template void query_rays(const Program&, const double*, const double*, std::size_t, const March&, const Shading&,
+                         double, const Hits<double>&, const Execution&);
 
 }  // namespace octomarch

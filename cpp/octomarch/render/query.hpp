@@ -39,9 +39,9 @@ struct Hits {
 };
 
 /// First hits along rays. Directions need not be unit: they are normalised in double, and t and `t_max` count in their
-/// length; `march`'s distances and epsilon are in scene units.
+/// length; `march`'s distances and epsilon are in scene units. `shading` says how normals are found.
 template <class Real>
 void query_rays(const Program& program, const double* origins, const double* directions, std::size_t count,
-                const March& march, double t_max, const Hits<Real>& out, const Execution& how);
+                const March& march, const Shading& shading, double t_max, const Hits<Real>& out, const Execution& how);
 
 }  // namespace octomarch
