@@ -182,14 +182,17 @@ def test_fields_at_odd_numbers_have_equal_bits_on_all_isas(precision: str, value
     assert_same_on_all_isas(lambda isa: SCENE.gradient(points, precision=precision, isa=isa))
 
 
+GLASSY = om.Material(om.stripes(0.3, 0.7, width=0.3), roughness=0.2, reflectivity=om.clamp(om.coordinates()[1], 0, 0.9))
 LIT = om.Scene(
-    SCENE,
+    om.union(SCENE.paint(GLASSY), om.sphere(0.4, center=(1.8, 0, 1)).paint(om.Material(0.5, reflectivity=0.5))),
+    sky=om.GradientSky([(-10, 0.1), (20, (0.3, 0.5, 0.9))]),
     ambient=(0.2, 0.25, 0.3),
     lights=[
         om.DirectionalLight((-1, -2, -1), color=(0.7, 0.6, 0.5)),
         om.PointLight((2, 3, 2), color=(5, 6, 7)),
         om.PointLight((-2, 1, 1), color=0.5, decay=1),
         om.PointLight((0, 2, 3), color=0.125, decay=0),
+        om.SpotLight((1, 4, 1), target=(0, 0, 0), color=4, angle=35, softness=0.7),
     ],
 )
 VIEWS = {
@@ -200,6 +203,7 @@ SHADINGS = {
     "soft": om.Shading(shadows="soft", shadow_k=8, occlusion=5),
     "hard": om.Shading(shadows="hard", occlusion=3),
     "central": om.Shading(normals="central", shadows="none", occlusion=0),
+    "tetrahedron": om.Shading(normals="tetrahedron", shadows="none", occlusion=0, bounces=2),
 }
 
 
