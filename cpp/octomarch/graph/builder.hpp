@@ -33,7 +33,8 @@ NodePtr octahedron(double radius);
 NodePtr pyramid(double edge, double height);
 /// Flat: endless along z. `size`: full edge lengths.
 NodePtr rectangle(const std::array<double, 2>& size);
-/// Flat. `corners`: x, y after x, y; at least three points, either way round, edges must not cross.
+/// Flat. `corners`: x, y after x, y; at least three points, either way round. Where edges cross, what they enclose twice
+/// is outside.
 NodePtr polygon(std::vector<double> corners);
 /// The user's own field. `lipschitz`: bound of its slope; where absent it is found by interval analysis over `bounds`,
 /// to which the shape is cut. Throws ArgumentError where no finite bound is found.

@@ -81,8 +81,11 @@ struct Pyramid {
 
   template <class T>
   T operator()(const T& x, const T& y, const T& z) const {
-    const T px = larger_of(abs(x), abs(z));
-    const T pz = smaller_of(abs(x), abs(z));
+    const T ax = abs(x);
+    const T az = abs(z);
+    const auto across = value_of(ax) < value_of(az);
+    const T px = select(across, az, ax);
+    const T pz = select(across, ax, az);
     const T up = y + height;                              // above the base
     const T beside = px - edge;                           // beyond the side's foot
     const T over_side = beside * along_y + up * along_x;  // signed, along the side's normal
@@ -94,7 +97,7 @@ struct Pyramid {
     const T walked = min(max(((edge - px) * edge + (edge - pz) * edge + up * (height + height)) * inverse, zero), one);
     const T beside_edge =
         length(px - (one - walked) * edge, up - walked * (height + height), pz - (one - walked) * edge);
-    const auto on_side = (value_of(climbed) >= zero) & (value_of(climbed) <= slope) &
+    const auto on_side = (slope > zero) & (value_of(climbed) >= zero) & (value_of(climbed) <= slope) &
                          (value_of(pz) * slope <= edge * (slope - value_of(climbed)));
     const T outside = smaller_of(select(on_side, abs(over_side), beside_edge), below_base);
     return select(value_of(inside) < zero, inside, outside);

@@ -1,6 +1,8 @@
 // Primitives as instructions: position, rotation and scale of a placement end in their constants.
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
+#include <string>
 
 #include "octomarch/graph/analysis.hpp"
 #include "octomarch/graph/schema.hpp"
@@ -89,22 +91,24 @@ ValueId emit_pyramid(const Node& node, const Placement& placement, DataFlow& flo
   return flow.emit(Opcode::kPyramid, own_axes(placement, flow), {{edge, height, along_x, along_y}});
 }
 
-/// The half of the cone's outline that does not lie on its axis.
+/// The half of the cone's profile that does not lie on its axis.
 ValueId emit_cone(const Node& node, const Placement& placement, DataFlow& flow) {
   const double bottom = node.parameter(0) * placement.scale;
   const double top = node.parameter(1) * placement.scale;
   const double h = node.parameter(2) * placement.scale;
-  const std::array<Point2, 4> outline{{{0.0, -h}, {bottom, -h}, {top, h}, {0.0, h}}};
-  std::vector<PolygonEdge> faces;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (outline[i] != outline[i + 1]) faces.emplace_back(outline[i], outline[i + 1], 1.0, 1.0);
-  }
+  const std::array<Point2, 4> profile{{{0.0, -h}, {bottom, -h}, {top, h}, {0.0, h}}};
   const std::array<ValueId, 3> axes = own_axes(placement, flow);
-  if (faces.empty()) return flow.emit(Opcode::kOriginSphere, axes, {{0.0}});
-  faces.resize(3, faces.front());  // twice the same face is the same cone
-  std::array<double, 30> constants{};
-  auto end = constants.begin();
-  for (const PolygonEdge& face : faces) end = std::copy(face.constants.begin(), face.constants.end(), end);
+  std::vector<double> constants;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (profile[i] == profile[i + 1]) continue;
+    const PolygonEdge edge(profile[i], profile[i + 1]);
+    constants.insert(constants.end(), edge.constants.begin(), edge.constants.end());
+  }
+  if (constants.empty()) return flow.emit(Opcode::kOriginSphere, axes, {{0.0}});
+  while (constants.size() < 27) {  // one that is there already, and never crossed, changes nothing
+    constants.insert(constants.end(), constants.begin(), constants.begin() + 8);
+    constants.push_back(0.0);
+  }
   return flow.emit(Opcode::kCappedCone, axes, constants);
 }
 
@@ -116,12 +120,11 @@ ValueId emit_polygon(const Node& node, const Placement& placement, DataFlow& flo
     return flow.emit(Opcode::kCylinder, std::span(axes).first(2),
                      {{node.parameter(0) * s, node.parameter(1) * s, 0.0}});
   }
-  ValueId nearest = flow.emit(Opcode::kPolygonEdge, std::span(axes).first(2), edges[0].constants);
-  for (std::size_t i = 1; i < edges.size(); ++i) {
-    const ValueId edge = flow.emit(Opcode::kPolygonEdge, std::span(axes).first(2), edges[i].constants);
-    nearest = flow.emit(Opcode::kNearerEdge, {{nearest, edge}});
+  ValueId nearest = flow.constant(kInfinity);
+  for (const PolygonEdge& edge : edges) {
+    nearest = flow.emit(Opcode::kPolygonEdge, {{axes[0], axes[1], nearest}}, edge.constants);
   }
-  return nearest;
+  return flow.emit(Opcode::kPolygon, {{nearest}});
 }
 
 }  // namespace
@@ -144,7 +147,10 @@ ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFl
     case NodeKind::kPolygon: return emit_polygon(primitive, placement, flow);
     case NodeKind::kPlane: return emit_plane(primitive, placement, flow);
     case NodeKind::kCapsule: return emit_capsule(primitive, placement, flow);
-    default: return emit_revolution(primitive, placement, flow);
+    case NodeKind::kCylinder:
+    case NodeKind::kCappedCylinder:
+    case NodeKind::kTorus: return emit_revolution(primitive, placement, flow);
+    default: throw std::logic_error("emit_primitive.cpp: no instruction for " + std::string(name(primitive.kind())));
   }
 }
 

@@ -24,24 +24,27 @@ std::vector<Point2> corners_of(std::span<const double> coordinates, double scale
 
 }  // namespace
 
-PolygonEdge::PolygonEdge(Point2 a, Point2 b, double sign_a, double sign_b) {
+PolygonEdge::PolygonEdge(Point2 a, Point2 b) {
   const double dx = b.x - a.x;
   const double dy = b.y - a.y;
   const double inverse = 1.0 / std::hypot(dx, dy);
   // u·(p − a) runs from 0 to 1 along the edge
-  constants = {a.x,          a.y,           b.x,    b.y,   dx * inverse * inverse, dy * inverse * inverse,
-               dy * inverse, -dx * inverse, sign_a, sign_b};
+  constants = {a.x,
+               a.y,
+               b.x,
+               b.y,
+               dx * inverse * inverse,
+               dy * inverse * inverse,
+               dy * inverse,
+               -dx * inverse,
+               dy > 0.0 ? 1.0 : -1.0};
 }
 
 std::vector<PolygonEdge> polygon_edges(std::span<const double> coordinates, double scale) {
   const std::vector<Point2> corners = corners_of(coordinates, scale);
   const std::size_t n = corners.size();
-  const auto sign_of = [&](std::size_t i) {
-    return cross(corners[(i + n - 1) % n], corners[i % n], corners[(i + 1) % n]) < 0.0 ? -1.0 : 1.0;
-  };
   std::vector<PolygonEdge> edges;
-  for (std::size_t i = 0; n > 1 && i < n; ++i)
-    edges.emplace_back(corners[i], corners[(i + 1) % n], sign_of(i), sign_of(i + 1));
+  for (std::size_t i = 0; n > 1 && i < n; ++i) edges.emplace_back(corners[i], corners[(i + 1) % n]);
   return edges;
 }
 

@@ -13,10 +13,10 @@ struct Point2 {
   friend bool operator==(const Point2&, const Point2&) = default;
 };
 
-/// From a to b ≠ a, counter-clockwise round the inside. `sign_a`, `sign_b`: +1 where the corner is convex, −1 where reflex.
+/// From a to b ≠ a, counter-clockwise round the inside.
 struct PolygonEdge {
-  std::array<double, 10> constants;
-  PolygonEdge(Point2 a, Point2 b, double sign_a, double sign_b);
+  std::array<double, 9> constants;
+  PolygonEdge(Point2 a, Point2 b);
 };
 
 /// Edges of the polygon whose corners follow each other as x, y, in either direction, all coordinates times `scale`.
