@@ -1,9 +1,14 @@
+// One case for each kind of node: what is known of its field from what is known of its operands.
 #include "octomarch/graph/analysis.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
+#include <string>
 #include <utility>
+
+#include "octomarch/graph/schema.hpp"
 
 namespace octomarch {
 
@@ -175,6 +180,29 @@ unsigned capsule_symmetry(const Node& node) {
   return mirrors;
 }
 
+/// A polygon mirrors onto itself where its corners, mirrored, follow each other the other way round.
+bool is_mirrored(std::span<const double> corners, std::size_t axis) {
+  const std::size_t count = corners.size() / 2;
+  const auto is_image = [&](std::size_t i, std::size_t j) {
+    return corners[2 * i + axis] == -corners[2 * j + axis] && corners[2 * i + 1 - axis] == corners[2 * j + 1 - axis];
+  };
+  std::size_t start = 0;
+  while (start < count && !is_image(0, start)) ++start;
+  if (start == count) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!is_image(i, (start + count - i) % count)) return false;
+  }
+  return true;
+}
+
+unsigned polygon_symmetry(const Node& node) {
+  unsigned mirrors = kMirrorX << 2U;
+  for (std::size_t axis = 0; axis < 2; ++axis) {
+    if (is_mirrored(node.parameters(), axis)) mirrors |= kMirrorX << axis;
+  }
+  return mirrors;
+}
+
 /// Mirror bits carried through a rotation: an axis keeps its bit where the rotation takes it to an axis.
 unsigned rotated_symmetry(unsigned symmetry, std::span<const double> rotation) {
   if ((symmetry & kIsotropic) != 0) return symmetry;
@@ -293,10 +321,10 @@ FieldFacts primitive_facts(const Node& node) {
     case NodeKind::kOctahedron: return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll);
     case NodeKind::kPyramid: return primitive(about_origin({p[0], p[1], p[0]}), kMirrorX | kMirrorX << 2U);
     case NodeKind::kRectangle: return primitive(about_origin({p[0], p[1], kInfinity}), kMirrorAll);
-    case NodeKind::kPolygon: return primitive(polygon_box(node), kMirrorX << 2U);
+    case NodeKind::kPolygon: return primitive(polygon_box(node), polygon_symmetry(node));
     case NodeKind::kField: return field_facts(node);
     case NodeKind::kSolid: return {};
-    default: return {};
+    default: throw std::logic_error("analysis.cpp: nothing known of " + std::string(name(node.kind())));
   }
 }
 
