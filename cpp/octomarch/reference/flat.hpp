@@ -45,9 +45,8 @@ FlatJet<T> polygon(const Node& node, const Vector2<T>& p) {
     area += from_first.x * (b.y - a.y) - from_first.y * (b.x - a.x);
   }
   const T sign = inside ? T(-1) : T(1);
-  const Vector2<T> direction = direction_of(offset) * sign;
   const Vector2<T> outward = area < T(0) ? -side : side;
-  return {sign * glm::length(offset), direction == Vector2<T>(0) ? outward : direction};
+  return {sign * glm::length(offset), direction_from(p - offset, p, outward * sign) * sign};
 }
 
 /// Exact distance to the profile of a capped cone at p = (distance from the axis, height): corners (bottom, −h), (top, h).
@@ -63,9 +62,8 @@ FlatJet<T> cone_profile(const Vector2<T>& p, T bottom, T top, T h) {
   if (cap < T(0) && slant < T(0)) return {by_cap ? cap : slant, outward};
   const Vector2<T> candidates[] = {nearest_of_segment(p, low, high), Vector2<T>(glm::min(p.x, bottom), -h),
                                    Vector2<T>(glm::min(p.x, top), h)};
-  const Vector2<T> offset = p - nearest_of(p, candidates);
-  const Vector2<T> direction = direction_of(offset);
-  return {glm::length(offset), direction == Vector2<T>(0) ? outward : direction};
+  const Vector2<T> nearest = nearest_of(p, candidates);
+  return {glm::length(p - nearest), direction_from(nearest, p, outward)};
 }
 
 }  // namespace octomarch::reference

@@ -1,6 +1,8 @@
 // Nearest points of segments and triangles. Vectors come before it; primitives with corners are measured from them.
 #pragma once
 
+#include <limits>
+
 #include "octomarch/reference/vector.hpp"
 
 namespace octomarch::reference {
@@ -17,6 +19,15 @@ glm::vec<dimension, T> nearest_of_segment(const glm::vec<dimension, T>& p, const
   const glm::vec<dimension, T> ab = b - a;
   const T squared = glm::dot(ab, ab);
   return squared > T(0) ? a + ab * glm::clamp(glm::dot(p - a, ab) / squared, T(0), T(1)) : a;
+}
+
+/// Direction to p from the surface's point nearest to it; `otherwise` where that is no more than rounding.
+template <glm::length_t dimension, class T>
+glm::vec<dimension, T> direction_from(const glm::vec<dimension, T>& nearest, const glm::vec<dimension, T>& p,
+                                      const glm::vec<dimension, T>& otherwise) {
+  const glm::vec<dimension, T> offset = p - nearest;
+  const T rounding = T(8) * std::numeric_limits<T>::epsilon() * glm::length(nearest);
+  return glm::length(offset) > rounding ? direction_of(offset) : otherwise;
 }
 
 /// The first of `candidates` than which none is nearer to p.

@@ -25,8 +25,7 @@ Jet<T> convex(const Vector<T>& p, const Jet<T> (&planes)[count], const Vector<T>
     if (plane.value > highest.value || highest.gradient == Vector<T>(0)) highest = plane;
   }
   if (is_thick && highest.value < T(0)) return highest;
-  const Vector<T> direction = direction_of(p - nearest);
-  return {glm::length(p - nearest), direction == Vector<T>(0) ? highest.gradient : direction};
+  return {glm::length(p - nearest), direction_from(nearest, p, highest.gradient)};
 }
 
 template <class T>
