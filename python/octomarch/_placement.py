@@ -6,6 +6,7 @@ mirrors. `_deformation` has the operators that change the form.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any, Self, TypeAlias, overload
 
@@ -197,6 +198,8 @@ class Placement(Field):
         [-0.25, -0.25, 0.457]
         """
         periods, factor = _periods(period), check.positive("scale", scale)
+        if not math.isfinite(1 / factor):
+            raise ValueError(f"scale must be large enough for its inverse to be finite, got {check.shown(scale)}")
         tiled = [p > 0 for p in periods]
         shift: Vec3
         if check.is_number(offset):

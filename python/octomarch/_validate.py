@@ -164,6 +164,8 @@ def axis_numbers(name: str, value: object) -> list[int]:
 
 def axis_number(name: str, value: object) -> int:
     """Return 0, 1 or 2 for "x", "y" or "z"."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be one of 'x', 'y', 'z', got {shown(value)}")
     return "xyz".index(choice(name, value, ("x", "y", "z")))
 
 

@@ -120,10 +120,10 @@ def rounded_box(size: float | VectorLike, radius: float, center: VectorLike = (0
     >>> om.rounded_box((2, 4, 6), 0.5).distance([[2, 0, 0], [0, 0, 0]]).tolist()
     [1.0, -1.0]
     """
-    edges, rounding = _edges(size), check.non_negative("radius", radius)
-    if not 2 * rounding <= min(edges):
-        raise ValueError(f"radius must be at most half of the shortest edge, {min(edges) / 2}, got {radius!r}")
-    x, y, z = edges
+    x, y, z = (check.non_negative("size", edge) for edge in _edges(size))
+    rounding, most = check.non_negative("radius", radius), min(x, y, z) / 2
+    if rounding > most:
+        raise ValueError(f"radius must be at most half of the shortest edge, {most}, got {check.shown(radius)}")
     inner = _core.box((x - 2 * rounding, y - 2 * rounding, z - 2 * rounding), "exact")
     return placed(_core.round(inner, rounding), center)
 
