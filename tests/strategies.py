@@ -1,7 +1,6 @@
-"""Hypothesis strategies of shapes, each with what tests need to know of it to say how exact its field must be.
+"""Hypothesis strategies of shapes: operators on top of `sample_primitives`, and the points at which tests look.
 
-A `Sample` carries bounds that grow with every operator put on top, by the rules in `grown`. Numbers are drawn from a
-few that floats hold exactly, which make ties, and from ranges, which make none.
+The bounds that a `samples.Sample` carries grow with every operator put on top, by the rules here.
 """
 
 from __future__ import annotations
@@ -9,92 +8,16 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from hypothesis import strategies as st
-from numpy.typing import NDArray
 
 import octomarch as om
+from sample_primitives import PRIMITIVES, primitive
+from samples import AXES, Array, Name, Sample, axis, length, norm, positive, smooth, turn, vector
 
-Array = NDArray[np.float64]
-
-AXES = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
-
-
-@dataclass(frozen=True)
-class Sample:
-    """A shape, and what is known of it without looking at its program."""
-
-    shape: om.Shape
-    extent: float
-    """Sum of the sizes and offsets on the longest way through the shape: no coordinate in it exceeds |p| + extent."""
-    levels: int
-    """Operators on the longest way from a primitive to the whole, the primitive included."""
-    reach: Array
-    """Half edges of a box about the origin that holds every primitive as placed; +inf along an endless axis."""
-    monotone: bool = True
-    """Nothing is subtracted, so that a field grows with that of each primitive: see `repeated`."""
-
-
-EXACT = st.sampled_from([0.0, 0.25, 0.5, 1.0, 1.5])
-length = st.one_of(EXACT, st.floats(0.05, 1.5))
-coordinate = st.one_of(EXACT, EXACT.map(lambda x: -x), st.floats(-2, 2, allow_subnormal=False))
-vector = st.tuples(coordinate, coordinate, coordinate)
-smooth = st.sampled_from([0.0, 0.0, 0.125, 0.5, 0.3])
-
-
-def _norm(v: tuple[float, ...]) -> float:
-    return math.sqrt(sum(x * x for x in v))
-
-
-direction = vector.filter(lambda v: _norm(v) > 1e-3)
-axis = st.one_of(st.sampled_from(sorted(AXES)), direction)
-
-
-def _along(name: str | tuple[float, ...], radial: float, axial: float) -> Array:
-    """Half edges of a box about a solid of revolution."""
-    unit = AXES[name] if isinstance(name, str) else np.array(name) / _norm(name)
-    across = np.sqrt(np.maximum(1 - unit**2, 0)) * radial
-    return across + np.array([abs(u) * axial if u else 0.0 for u in unit])
-
-
-def _sphere(radius: float) -> Sample:
-    return Sample(om.sphere(radius), radius, 1, np.full(3, radius))
-
-
-def _box(size: tuple[float, ...]) -> Sample:
-    return Sample(om.box(size), _norm(size), 1, np.array(size) / 2)
-
-
-def _plane(normal: tuple[float, ...], point: tuple[float, ...]) -> Sample:
-    return Sample(om.plane(normal, point), _norm(point), 1, np.full(3, math.inf))
-
-
-def _cylinder(radius: float, height: float | None, name: str | tuple[float, ...]) -> Sample:
-    half = math.inf if height is None else height / 2
-    return Sample(om.cylinder(radius, height, name), radius + (height or 0), 2, _along(name, radius, half))
-
-
-def _torus(radius: float, tube: float, name: str | tuple[float, ...]) -> Sample:
-    return Sample(om.torus(radius, tube, name), radius + tube, 2, _along(name, radius + tube, tube) + tube)
-
-
-def _capsule(a: tuple[float, ...], b: tuple[float, ...], radius: float) -> Sample:
-    reach = np.maximum(np.abs(a), np.abs(b)) + radius
-    return Sample(om.capsule(a, b, radius), _norm(a) + _norm(b) + radius, 1, reach)
-
-
-PRIMITIVES: dict[str, st.SearchStrategy[Sample]] = {
-    "sphere": st.builds(_sphere, length),
-    "box": st.builds(_box, st.tuples(length, length, length)),
-    "plane": st.builds(_plane, st.one_of(st.sampled_from([(0, 1, 0), (-1, 0, 0)]), direction), vector),
-    "cylinder": st.builds(_cylinder, length, st.none(), axis),
-    "capped_cylinder": st.builds(_cylinder, length, length, axis),
-    "torus": st.builds(_torus, length, length, axis),
-    "capsule": st.builds(_capsule, vector, vector, length),
-}
-primitive = st.one_of(*PRIMITIVES.values())
+__all__ = ["PRIMITIVES", "Array", "Sample", "primitive", "vector"]
 
 
 def combined(kind: Callable[..., om.Shape], operands: list[Sample], k: float) -> Sample:
@@ -104,6 +27,18 @@ def combined(kind: Callable[..., om.Shape], operands: list[Sample], k: float) ->
         max(operand.levels for operand in operands) + len(operands) - 1,
         np.max([operand.reach for operand in operands], axis=0),
         kind is not om.difference and all(operand.monotone for operand in operands),
+        max(operand.gain for operand in operands),
+        any(operand.folded for operand in operands),
+    )
+
+
+def melted(operands: list[Sample], k: float) -> Sample:
+    as_union = combined(om.union, operands, 0.0)
+    return replace(
+        as_union,
+        shape=om.metaballs(*(operand.shape for operand in operands), k=k),
+        extent=as_union.extent + k,
+        levels=as_union.levels + len(operands) - 1,  # twice those of a union, for an exponential and a logarithm
     )
 
 
@@ -115,13 +50,13 @@ def translated(inner: Sample, offset: tuple[float, ...]) -> Sample:
     return replace(
         inner,
         shape=inner.shape.translate(offset),
-        extent=inner.extent + _norm(offset),
+        extent=inner.extent + norm(offset),
         levels=inner.levels + 1,
         reach=inner.reach + np.abs(offset),
     )
 
 
-def rotated(inner: Sample, degrees: float, name: str | tuple[float, ...]) -> Sample:
+def rotated(inner: Sample, degrees: float, name: Name) -> Sample:
     radius = float(np.linalg.norm(inner.reach))  # of a ball, which no turn changes; +inf stays +inf
     return replace(inner, shape=inner.shape.rotate(degrees, name), levels=inner.levels + 1, reach=np.full(3, radius))
 
@@ -140,6 +75,80 @@ def painted(inner: Sample, grey: float) -> Sample:
     return replace(inner, shape=inner.shape.paint(om.Material(grey)))
 
 
+def stretched(inner: Sample, factors: tuple[float, ...]) -> Sample:
+    return replace(
+        inner,
+        shape=inner.shape.stretch(factors),
+        extent=inner.extent * max(factors),
+        levels=inner.levels + 1,
+        reach=inner.reach * np.array(factors),
+        monotone=False,
+    )
+
+
+def rounded(inner: Sample, radius: float) -> Sample:
+    return replace(
+        inner,
+        shape=inner.shape.round(radius),
+        extent=inner.extent + radius,
+        levels=inner.levels + 1,
+        reach=inner.reach + radius,
+    )
+
+
+def hollowed(inner: Sample, thickness: float) -> Sample:
+    grown = rounded(inner, thickness)
+    return replace(grown, shape=inner.shape.shell(thickness), monotone=False)
+
+
+def mirrored(inner: Sample, axes: str) -> Sample:
+    return replace(inner, shape=inner.shape.mirror(axes), levels=inner.levels + 1)
+
+
+def elongated(inner: Sample, lengths: tuple[float, ...]) -> Sample:
+    return replace(
+        inner,
+        shape=inner.shape.elongate(lengths),
+        extent=inner.extent + norm(lengths),
+        levels=inner.levels + 1,
+        reach=inner.reach + np.array(lengths) / 2,
+        monotone=False,
+    )
+
+
+def twisted(inner: Sample, degrees: float, name: str | None) -> Sample:
+    """Twist about an axis, or bend (None). What has no end across the axis stays as it is."""
+    across = 1 - AXES[name or "z"]
+    radius = float(np.linalg.norm(np.where(across > 0, inner.reach, 0))) + inner.extent
+    try:
+        shape = inner.shape.twist(degrees, name) if name else inner.shape.bend(degrees)
+    except ValueError:
+        return inner
+    return replace(
+        inner,
+        shape=shape,
+        extent=inner.extent + radius,
+        levels=inner.levels + 2,
+        reach=np.where(across > 0, radius, inner.reach),
+        monotone=False,
+        gain=inner.gain * (1 + math.radians(abs(degrees)) * radius),
+    )
+
+
+def waved(inner: Sample, amplitude: float, frequency: float) -> Sample:
+    x, y, z = om.coordinates()
+    wave = amplitude * om.sin(frequency * x) * om.sin(frequency * (y + z))
+    return replace(
+        inner,
+        shape=inner.shape.displace(wave, lipschitz=2 * amplitude * frequency),
+        extent=inner.extent + amplitude,
+        levels=inner.levels + 2,
+        reach=inner.reach + amplitude,
+        monotone=False,
+        gain=inner.gain + 2 * amplitude * frequency,
+    )
+
+
 def repeated(inner: Sample, axes: tuple[bool, ...], counts: tuple[int | None, ...], slack: float) -> Sample:
     """Repetition along the axes on which every primitive fits into a cell.
 
@@ -152,11 +161,12 @@ def repeated(inner: Sample, axes: tuple[bool, ...], counts: tuple[int | None, ..
         return inner
     copies = [count or 0 for count in counts]
     spread = [p * (n - 1) / 2 if n else (math.inf if p else 0.0) for p, n in zip(period, copies, strict=True)]
-    return Sample(
-        inner.shape.repeat(period.tolist(), counts),
-        inner.extent + 2 * float(period.sum()),
-        inner.levels + 4,  # the repeat, and at most three unions with copies next to it in sequence
-        inner.reach + np.array(spread),
+    return replace(
+        inner,
+        shape=inner.shape.repeat(period.tolist(), counts),
+        extent=inner.extent + 2 * float(period.sum()),
+        levels=inner.levels + 4,  # the repeat, and at most three unions with copies next to it in sequence
+        reach=inner.reach + np.array(spread),
     )
 
 
@@ -165,17 +175,26 @@ def grown(children: st.SearchStrategy[Sample]) -> st.SearchStrategy[Sample]:
     operands = st.lists(children, min_size=2, max_size=3)
     flags = st.tuples(st.booleans(), st.booleans(), st.booleans())
     count = st.sampled_from([None, None, 2, 3])
-    degrees = st.one_of(st.sampled_from([90.0, 180.0, -90.0, 45.0]), st.floats(-400, 400, allow_subnormal=False))
-    combination = st.builds(combined, st.sampled_from([om.union, om.intersection, om.difference]), operands, smooth)
+    kinds = st.sampled_from([om.union, om.intersection, om.difference])
+    factor = st.one_of(st.sampled_from([0.5, 2.0]), st.floats(0.3, 3))
+    rate = st.one_of(st.sampled_from([-45.0, 20.0, 90.0]), st.floats(-90, 90, allow_subnormal=False))
     return st.one_of(
-        combination,
-        combination,
+        st.builds(combined, kinds, operands, smooth),
+        st.builds(combined, kinds, operands, smooth),
+        st.builds(melted, operands, st.sampled_from([0.0, 0.05, 0.3])),
         st.builds(complemented, children),
         st.builds(translated, children, vector),
-        st.builds(rotated, children, degrees, axis),
-        st.builds(scaled, children, st.one_of(st.sampled_from([0.5, 2.0]), st.floats(0.3, 3))),
+        st.builds(rotated, children, turn, axis),
+        st.builds(scaled, children, factor),
         st.builds(painted, children, st.sampled_from([0.25, 0.5, 0.75])),
         st.builds(repeated, children, flags, st.tuples(count, count, count), st.sampled_from([0.0, 0.3])),
+        st.builds(stretched, children, st.tuples(positive, positive, positive)),
+        st.builds(rounded, children, length),
+        st.builds(hollowed, children, length),
+        st.builds(mirrored, children, st.sampled_from(["x", "y", "z", "xz", "xyz"])),
+        st.builds(elongated, children, st.tuples(length, length, length)),
+        st.builds(twisted, children, rate, st.sampled_from(["x", "y", "z", None])),
+        st.builds(waved, children, st.sampled_from([0.05, 0.1]), st.sampled_from([1.0, 3.0])),
     )
 
 

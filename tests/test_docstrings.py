@@ -37,7 +37,8 @@ def test_public_members_are_documented(name: str):
     if inspect.isclass(thing):
         members = {
             key: value
-            for key, value in vars(thing).items()
+            for part in inspect.getmro(thing)[:-1]
+            for key, value in vars(part).items()
             if not key.startswith("_") and (inspect.isfunction(value) or isinstance(value, property))
         }
         assert [key for key, value in members.items() if not inspect.getdoc(value)] == []

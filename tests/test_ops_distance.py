@@ -10,21 +10,9 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
 import octomarch as om
+from limits import LIMITS
 from rounding import field_error, representable, unit_roundoff
 from strategies import POINTS, PRIMITIVES, Sample, combined, nested, primitive, repeated, rotated, scaled, translated
-
-LIMITS = {
-    "point": om.sphere(0),
-    "flat box": om.box((0, 2, 0)),
-    "line": om.cylinder(0),
-    "disc": om.cylinder(1, 0),
-    "stick": om.cylinder(0, 2),
-    "circle": om.torus(1, 0),
-    "ball as torus": om.torus(0, 1),
-    "ball as capsule": om.capsule((1, 0, 0), (1, 0, 0), 1),
-    "segment": om.capsule((0, -1, 0), (0, 1, 0), 0),
-    "capsule too short to have a direction": om.capsule((1, 0, 0), (1 + 2**-52, 0, 0), 1),
-}
 
 
 def check(sample: Sample, isa: str, precision: str) -> None:
@@ -55,7 +43,7 @@ def test_distance_of_nested_shapes(isa: str, precision: str, sample: Sample):
 
 @pytest.mark.parametrize("name", LIMITS)
 def test_distance_of_limit_shapes(name: str, isa: str, precision: str):
-    check(Sample(LIMITS[name], 3.0, 1, np.full(3, np.inf)), isa, precision)
+    check(Sample(LIMITS[name], 3.0, 3, np.full(3, np.inf), gain=2.0), isa, precision)
 
 
 REPEATS = {
@@ -71,6 +59,9 @@ CONTENTS = {
     "leaning along x": om.box((0.3, 0.5, 0.4)).translate(0.3, 0, 0),
     "leaning along all": om.capsule((-0.4, -0.3, 0), (0.1, 0.4, 0.6), 0.2),
     "turned": om.box((0.9, 0.4, 0.2)).rotate(33, (1, 2, 3)),
+    "cone": om.cone(0.6, 1.0).translate(0, 0.2, 0),
+    "stretched and leaning": om.sphere(0.4).stretch((1, 2, 1)).translate(0.3, 0, 0),
+    "star": om.star(5, 0.8, 0.3).extrude(0.5),
     "hollow and leaning": om.box(1.2) - om.sphere(0.5).translate(0.1, 0.1, 0.1),
 }
 
@@ -140,6 +131,22 @@ def test_blends_of_any_width_are_finite_and_as_deep_as_they_say(k: float, isa: s
     assert value == pytest.approx(-k / 4, rel=4 * unit_roundoff(precision), abs=NARROWEST)
     assert np.isfinite(blended.distance(POINTS, precision=precision, isa=isa)).all()
     assert np.isfinite(om.reference.distance(blended, POINTS, dtype=precision)).all()
+
+
+@pytest.mark.parametrize("k", [0.3, 1e-3, 1e-6, 1e6, 1e20, 1e-30])
+def test_metaballs_of_any_width_are_finite_and_as_deep_as_they_say(k: float, isa: str, precision: str):
+    """At equal operands the blend is k log 2 below both; far from each other they are not felt."""
+    left, right = om.sphere(1.0, center=(-1, 0, 0)), om.sphere(1.0, center=(1, 0, 0))
+    blended = om.metaballs(left, right, k=k)
+    value = float(blended.distance([0, 0, 0], precision=precision, isa=isa))
+    assert value == pytest.approx(-k * np.log(2), rel=8 * unit_roundoff(precision))
+    found = blended.distance(POINTS, precision=precision, isa=isa)
+    assert np.isfinite(found).all()
+    fields = [shape.distance(POINTS, precision=precision, isa=isa).astype(np.float64) for shape in (left, right)]
+    rounding = 8 * unit_roundoff(precision) * (np.abs(fields[0]) + k)
+    assert (found <= np.minimum(*fields) + rounding).all()
+    apart = np.abs(fields[0] - fields[1]) > 200 * k
+    assert_array_equal(found[apart], np.minimum(*fields)[apart])
 
 
 def test_folding_order_is_from_the_left(isa: str):

@@ -20,6 +20,14 @@ def lights() -> list[om.DirectionalLight | om.PointLight]:
 
 shape = om.union(tower(8), om.plane(), smooth=0.1) & ~om.sphere(1.0, center=np.zeros(3))
 shape = shape.translate(0, 1, 0).translate((0, 1, 0)).rotate(30, axis=(1, 1, 0)).scale(2)
+x, y, z = om.coordinates()
+gear = om.star(12, 1.0, 0.8).round(0.02).extrude(0.2) - om.circle(0.2).extrude(1)
+vase = om.polygon([(0, 0), (0.5, 0), (0.3, 1)]).revolve().shell(0.05).twist(20, axis="y").displace(0.01 * om.sin(9 * y))
+tiles = om.cone(0.3, 0.6, center=(0.5, 0.3, 0.5)).tile((1, None, 1), scale=2, offset=0.25)
+blob = om.metaballs(om.ellipsoid((1, 2, 1)), om.octahedron(1.0).bend(10), om.link(1, 0.5, 0.1), k=0.1)
+walls = om.gyroid(1.0, 0.05) & om.box(2, form="maximum").mirror("xz").elongate((1, 0, 0)).stretch((1, 2, 1))
+assert_type(om.union(gear, vase, tiles, blob, walls), om.Shape)
+assert_type(om.hexagonal_prism(1, 2, axis=(1, 1, 0)).translate((0, 1, 0)), om.Shape)
 assert_type(shape | om.torus(2, 0.5).union(om.capsule((0, 0, 0), (0, 1, 0), 0.2), smooth=0.1), om.Shape)
 
 red = om.Material(color=(0.8, 0.1, 0.1), roughness=0.4)

@@ -7,6 +7,10 @@ om.sphere(1.0) | 2  # wrong
 om.render(om.sphere(1.0), planes=3)  # wrong
 om.March(method="relaxed")  # wrong
 om.cylinder(1.0, axis="w")  # wrong
+om.box(1.0, form="round")  # wrong
+om.sphere(1.0).twist(30, axis="w")  # wrong
+om.metaballs(om.sphere(1.0))  # wrong
+om.sphere(1.0).displace(om.sphere(1.0))  # wrong
 om.sphere(1.0).paint((1, 0, 0))  # wrong
 om.render(3)  # wrong
 om.Scene(om.sphere(1.0)).ambient = (0, 0, 0)  # wrong

@@ -1,0 +1,60 @@
+"""Shapes at the ends of what their arguments may be: points, lines, discs, outlines that lie on themselves."""
+
+import octomarch as om
+
+SLIVER = [(0, 0), (2, 1), (-1, -0.5)]
+"""Corners on one line."""
+RING = [(-1, -1), (1, -1), (1, 1), (-1, 1), (-1, -1), (-0.5, -0.5), (-0.5, 0.5), (0.5, 0.5), (0.5, -0.5), (-0.5, -0.5)]
+"""A square with a square hole, cut open from one to the other and back."""
+
+LIMITS = {
+    "point": om.sphere(0),
+    "flat box": om.box((0, 2, 0)),
+    "flat box, outside only": om.box((0, 2, 0), form="exterior"),
+    "flat box, largest excess": om.box((0, 2, 0), form="maximum"),
+    "line": om.cylinder(0),
+    "disc": om.cylinder(1, 0),
+    "stick": om.cylinder(0, 2),
+    "circle": om.torus(1, 0),
+    "ball as torus": om.torus(0, 1),
+    "ball as capsule": om.capsule((1, 0, 0), (1, 0, 0), 1),
+    "segment": om.capsule((0, -1, 0), (0, 1, 0), 0),
+    "capsule too short to have a direction": om.capsule((1, 0, 0), (1 + 2**-52, 0, 0), 1),
+    "cone of no height": om.cone(1, 0),
+    "cone of no width": om.cone(0, 2),
+    "cone of no size": om.cone(0, 0),
+    "upturned cone": om.capped_cone(0, 1, 1),
+    "capped cone of no height": om.capped_cone(1, 0.5, 0),
+    "nearly flat cone": om.capped_cone(1.5, 0.25, 1e-7),
+    "octahedron of no size": om.octahedron(0),
+    "pyramid of no height": om.pyramid(2, 0),
+    "pyramid of no width": om.pyramid(0, 2),
+    "pyramid of no size": om.pyramid(0, 0),
+    "prism of no size": om.hexagonal_prism(0, 0),
+    "prism of no height": om.triangular_prism(1, 0),
+    "ball as link": om.link(0, 0, 0.5),
+    "line as link": om.link(2, 0, 0),
+    "round box of no edges": om.rounded_box(1.0, 0.5),
+    "point in the plane": om.circle(0),
+    "rectangle of no width": om.rectangle((0, 1)),
+    "polygon of one point": om.polygon([(0.5, 1)] * 3),
+    "polygon of two points": om.polygon([(0, 0), (1, 1), (0, 0)]),
+    "polygon on one line": om.polygon(SLIVER),
+    "nearly a line": om.polygon([(0, 0), (2, 1e-7), (-1, 0)]),
+    "polygon with a hole": om.polygon(RING),
+    "polygon that crosses itself": om.polygon([(-1, -1), (1, 1), (1, -1), (-1, 1)]),
+    "star of no inner radius": om.star(5, 1, 0),
+    "star of no size": om.star(3, 0, 0),
+    "segment of no length": om.segment((1, 1), (1, 1), 0.5),
+    "sheet": om.rectangle((1, 2)).extrude(0),
+    "needle": om.circle(0).extrude(2),
+    "round of nothing": om.box(0).round(0.5),
+    "wall of no thickness": om.box(1.0).shell(0),
+    "point twisted": om.sphere(0).twist(90),
+    "line twisted about itself": om.cylinder(0, 2).twist(90),
+    "point bent": om.sphere(0).bend(90),
+    "hardly stretched": om.sphere(1.0).stretch((1, 1 + 2**-40, 1)),
+    "point elongated": om.sphere(0).elongate((1, 0, 0)),
+    "rectangle about the axis": om.rectangle((0, 1)).revolve(),
+    "metaballs of one place": om.metaballs(om.sphere(0), om.sphere(0), k=1e-6),
+}
