@@ -13,6 +13,7 @@ ROUNDING = 1e-9  # of hits on planes after the secant finish, relative to a few 
 FLOOR = om.plane()
 ABOVE = om.Camera(eye=(0, 4, 0), target=(0, 0, 0), up=(0, 0, -1), fov=60)
 DULL = om.Material(color=(0.5, 0.25, 0.125), roughness=1, specular=0)
+FLAT = om.Shading(occlusion=0, shadows="none")
 
 
 def shade(
@@ -144,3 +145,54 @@ def test_a_picture_has_the_planes_asked_for_in_the_precision_asked_for():
         om.reference.render(om.sphere(1.0), planes=("object_id",))
     with pytest.raises(ValueError, match="size"):
         om.reference.render(om.sphere(1.0), size=(0, 3))
+
+
+SPOT = {"position": (0, 2, 0), "direction": (0, -1, 0), "color": 8, "decay": 0}
+
+
+@pytest.mark.parametrize("softness", [0.25, 1.0])
+def test_spot_light_fades_towards_the_edge_of_its_cone(softness: float):
+    camera = om.OrthographicCamera((0, 4, 0), (0, 0, 0), up=(0, 0, -1), height=4)
+    scene = om.Scene(FLOOR.paint(DULL), lights=[om.SpotLight(**SPOT, angle=60, softness=softness)], ambient=0)
+    march = om.March(pixel_tolerance=0)
+    image = om.reference.render(scene, camera, (9, 9), march, shading=FLAT, planes=("color", "position"))
+    cosine = 2 / np.sqrt((image.position**2).sum(-1) + 4)
+    inner, outer = np.cos(np.radians(30 * (1 - softness))), np.cos(np.radians(30))
+    x = np.clip((cosine - outer) / (inner - outer), 0, 1)
+    expected = (8 * x * x * (3 - 2 * x) * cosine)[..., None] * DULL.color
+    assert_allclose(image.color, expected, rtol=0, atol=1e-4)  # light is looked for 2 epsilon above the floor
+    assert (expected == 0).any()
+
+
+def mirror(reflectivity: float) -> om.Material:
+    return om.Material(0.5, reflectivity=reflectivity)
+
+
+@pytest.mark.parametrize("bounces", [0, 1, 5])
+def test_a_mirror_mixes_its_own_colour_with_the_sky(bounces: int):
+    scene = om.Scene(FLOOR.paint(mirror(0.25)), sky=om.Sky(toward=(1, 2, 3), away=9, base=0), ambient=1)
+    camera = om.Camera((0, 3, 4), (0, 0, 0), fov=20)
+    image = om.reference.render(
+        scene, camera, (5, 5), shading=om.Shading(occlusion=0, bounces=bounces), planes=("color", "position")
+    )
+    towards = image.position - camera.eye
+    upward = -towards[..., 1] / np.sqrt((towards**2).sum(-1))
+    expected = 0.75 * 0.5 + 0.25 * upward[..., None] * [1, 2, 3] if bounces else np.full((5, 5, 3), 0.5)
+    assert_allclose(image.color, expected, rtol=1e-9)
+
+
+def test_each_bounce_weighs_what_the_mirrors_before_it_say():
+    facing = om.plane((0, 0, 1), (0, 0, -1)).paint(mirror(0.5)) | om.plane((0, 0, -1), (0, 0, 1)).paint(mirror(0.25))
+    scene, camera = om.Scene(facing, ambient=1), om.OrthographicCamera((0, 0, 0), (0, 0, -1), height=0.1)
+    for bounces, cutoff in ((0, 0), (1, 0), (4, 0), (9, 0.05)):
+        shading = om.Shading(occlusion=0, shadows="none", bounces=bounces, reflection_cutoff=cutoff)
+        expected, weight = 0.0, 1.0
+        for i in range(bounces + 1):
+            reflected = weight * (0.5, 0.25)[i % 2]
+            last = i == bounces or reflected < cutoff
+            expected += 0.5 * (weight if last else weight - reflected)
+            if last:
+                break
+            weight = reflected
+        color = om.reference.render(scene, camera, (1, 1), shading=shading).color
+        assert_allclose(color, np.full((1, 1, 3), expected), rtol=1e-12)
