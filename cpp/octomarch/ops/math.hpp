@@ -20,7 +20,7 @@ struct Split {
 };
 
 template <class T>
-Split<T> split(const T& x) {
+[[gnu::always_inline]] inline Split<T> split(const T& x) {
   using Real = typename T::Real;
   using Integer = typename T::Integer;
   using I = Ieee<Real>;
@@ -38,7 +38,7 @@ Split<T> split(const T& x) {
 
 /// The same for positive numbers below the normal ones too.
 template <class T>
-Split<T> split_any(const T& x) {
+[[gnu::always_inline]] inline Split<T> split_any(const T& x) {
   using Real = typename T::Real;
   constexpr int kUp = Ieee<Real>::kMantissaBits + 1;
   const auto tiny = x < T(Ieee<Real>::kSmallest);
@@ -55,7 +55,7 @@ struct LogSeries {
 };
 
 template <class T>
-LogSeries<T> log_series(const T& f) {
+[[gnu::always_inline]] inline LogSeries<T> log_series(const T& f) {
   using Real = typename T::Real;
   const T half_square = T(Real(0.5)) * f * f;
   const T s = f / (T(Real(2)) + f);
@@ -65,7 +65,7 @@ LogSeries<T> log_series(const T& f) {
 
 /// Logarithms' results where x is not a positive finite number.
 template <class T>
-T log_or_special(const T& x, const T& log) {
+[[gnu::always_inline]] inline T log_or_special(const T& x, const T& log) {
   using I = Ieee<typename T::Real>;
   const T above = select(x <= T(I::kLargest), log, x);
   const T at_zero = select(x == T(typename T::Real(0)), T(-I::kInfinity), above);
@@ -74,7 +74,7 @@ T log_or_special(const T& x, const T& log) {
 
 /// Natural logarithm.
 template <class T>
-T log(const T& x) {
+[[gnu::always_inline]] inline T log(const T& x) {
   using C = MathConstants<T>;
   const auto [exponent, f] = split_any(x);
   const LogSeries<T> series = log_series(f);
@@ -85,7 +85,7 @@ T log(const T& x) {
 
 /// Logarithm to base 2, exact for powers of two.
 template <class T>
-T log2(const T& x) {
+[[gnu::always_inline]] inline T log2(const T& x) {
   using C = MathConstants<T>;
   const auto [exponent, f] = split_any(x);
   const LogSeries<T> series = log_series(f);
@@ -98,7 +98,7 @@ T log2(const T& x) {
 
 /// log(1 + x), accurate near 0 too; NaN below −1.
 template <class T>
-T log1p(const T& x) {
+[[gnu::always_inline]] inline T log1p(const T& x) {
   using Real = typename T::Real;
   using Integer = typename T::Integer;
   using Bits = typename T::Bits;
@@ -124,7 +124,7 @@ T log1p(const T& x) {
 
 /// eˣ. Overflow gives +inf, and small results become denormal, then 0.
 template <class T>
-T exp(const T& x) {
+[[gnu::always_inline]] inline T exp(const T& x) {
   using Real = typename T::Real;
   using C = MathConstants<T>;
   // Bounds beyond which the result is 0 or +inf.
@@ -141,7 +141,7 @@ T exp(const T& x) {
 
 /// 2^(n + f + more), |f| ≤ ½ and `more` small beside 1.
 template <class T>
-T exp2_of_parts(const T& n, const T& f, const T& more) {
+[[gnu::always_inline]] inline T exp2_of_parts(const T& n, const T& f, const T& more) {
   using Real = typename T::Real;
   using C = MathConstants<T>;
   const T f_hi = upper_half(f);
@@ -153,7 +153,7 @@ T exp2_of_parts(const T& n, const T& f, const T& more) {
 
 /// 2ˣ, exact for whole x. Overflow gives +inf, and small results become denormal, then 0.
 template <class T>
-T exp2(const T& x) {
+[[gnu::always_inline]] inline T exp2(const T& x) {
   using Real = typename T::Real;
   const T held = clamped(x, Ieee<Real>::kIsFloat ? Real(-151) : Real(-1076), Real(Ieee<Real>::kBias + 2));
   const T n = nearest(held);
@@ -162,7 +162,7 @@ T exp2(const T& x) {
 
 /// log2 of a positive number with about 1.5 times the digits of T: 2/ln 2·(s + s³/3 + …), s = f/(2 + f).
 template <class T>
-Pair<T> log2_in_two_parts(const T& x) {
+[[gnu::always_inline]] inline Pair<T> log2_in_two_parts(const T& x) {
   using Real = typename T::Real;
   using C = MathConstants<T>;
   const auto [exponent, f] = split_any(x);
@@ -187,7 +187,7 @@ Pair<T> log2_in_two_parts(const T& x) {
 
 /// xʸ as C's pow, but for NaN, which always gives NaN: negative x need a whole y.
 template <class T>
-T pow(const T& x, const T& y) {
+[[gnu::always_inline]] inline T pow(const T& x, const T& y) {
   using Real = typename T::Real;
   using I = Ieee<Real>;
   const T zero = T(Real(0));
@@ -222,7 +222,7 @@ T pow(const T& x, const T& y) {
 /// xʸ for 0 ≤ x and y > 0, with 0ʸ = 0 (numbers below the normal ones count as 0): a fast one for highlights, good to
 /// 2·(1 + |y·log2 x|) ulp.
 template <class T>
-T power(const T& x, const T& y) {
+[[gnu::always_inline]] inline T power(const T& x, const T& y) {
   using Real = typename T::Real;
   const auto [exponent, f] = split(x);
   const LogSeries<T> series = log_series(f);
@@ -239,7 +239,7 @@ struct SinCos {
 };
 
 template <class T>
-SinCos<T> sin_cos_reduced(const Reduced<T>& angle) {
+[[gnu::always_inline]] inline SinCos<T> sin_cos_reduced(const Reduced<T>& angle) {
   using Real = typename T::Real;
   using C = MathConstants<T>;
   const T r = angle.r;
@@ -254,7 +254,7 @@ SinCos<T> sin_cos_reduced(const Reduced<T>& angle) {
 
 /// The sine of an angle in `quadrant`, from sin and cos of what is left of it.
 template <class T>
-T in_quadrant(const typename T::Bits& quadrant, const SinCos<T>& left) {
+[[gnu::always_inline]] inline T in_quadrant(const typename T::Bits& quadrant, const SinCos<T>& left) {
   using I = Ieee<typename T::Real>;
   using Integer = typename T::Integer;
   using Bits = typename T::Bits;
@@ -266,7 +266,7 @@ T in_quadrant(const typename T::Bits& quadrant, const SinCos<T>& left) {
 
 /// Sine and cosine for little more than the price of one.
 template <class T>
-SinCos<T> sin_cos(const T& x) {
+[[gnu::always_inline]] inline SinCos<T> sin_cos(const T& x) {
   using Real = typename T::Real;
   using Bits = typename T::Bits;
   const Reduced<T> angle = reduce(x);
@@ -278,24 +278,24 @@ SinCos<T> sin_cos(const T& x) {
 
 /// Sine; NaN of infinities, as of cos and tan. Arguments of any size are reduced with full accuracy.
 template <class T>
-T sin(const T& x) {
+[[gnu::always_inline]] inline T sin(const T& x) {
   return sin_cos(x).sin;
 }
 
 template <class T>
-T cos(const T& x) {
+[[gnu::always_inline]] inline T cos(const T& x) {
   return sin_cos(x).cos;
 }
 
 template <class T>
-T tan(const T& x) {
+[[gnu::always_inline]] inline T tan(const T& x) {
   const SinCos<T> both = sin_cos(x);
   return both.sin / both.cos;
 }
 
 /// k·π/4 + atan(above/below), 0 ≤ k ≤ 4 and |above/below| ≤ tan(π/8).
 template <class T>
-T angle_of(const T& k, const Pair<T>& above, const Pair<T>& below) {
+[[gnu::always_inline]] inline T angle_of(const T& k, const Pair<T>& above, const Pair<T>& below) {
   using Real = typename T::Real;
   using C = MathConstants<T>;
   const T inverse = T(Real(1)) / below.hi;
@@ -308,7 +308,7 @@ T angle_of(const T& k, const Pair<T>& above, const Pair<T>& below) {
 }
 
 template <class T>
-T atan(const T& x) {
+[[gnu::always_inline]] inline T atan(const T& x) {
   using Real = typename T::Real;
   const T one = T(Real(1));
   const T zero = T(Real(0));
@@ -325,7 +325,7 @@ T atan(const T& x) {
 
 /// The angle of the point (x, y), from −π to π, as C's atan2: of zeros and infinities too.
 template <class T>
-T atan2(const T& y, const T& x) {
+[[gnu::always_inline]] inline T atan2(const T& y, const T& x) {
   using Real = typename T::Real;
   using Integer = typename T::Integer;
   using Bits = typename T::Bits;
@@ -374,7 +374,7 @@ struct AsinSeries {
 };
 
 template <class T>
-AsinSeries<T> asin_series(const T& x) {
+[[gnu::always_inline]] inline AsinSeries<T> asin_series(const T& x) {
   using Real = typename T::Real;
   const T half = T(Real(0.5));
   const T magnitude = abs(x);
@@ -386,7 +386,7 @@ AsinSeries<T> asin_series(const T& x) {
 
 /// Arc sine; NaN outside [−1, 1].
 template <class T>
-T asin(const T& x) {
+[[gnu::always_inline]] inline T asin(const T& x) {
   using C = MathConstants<T>;
   const AsinSeries<T> series = asin_series(x);
   const Pair<T> sum = ordered_sum(T(C::kHalfPiHi), -(series.s + series.s));
@@ -396,7 +396,7 @@ T asin(const T& x) {
 
 /// Arc cosine, from 0 to π; NaN outside [−1, 1].
 template <class T>
-T acos(const T& x) {
+[[gnu::always_inline]] inline T acos(const T& x) {
   using Real = typename T::Real;
   using C = MathConstants<T>;
   // base ∓ 2·asin(√((1 − |x|)/2)) with base 0 or π, or π/2 − asin(x).
@@ -413,7 +413,7 @@ T acos(const T& x) {
 /// x − y·floor(x/y), held within [0, y) for y > 0 and within (y, 0] for y < 0: where rounding leaves that, 0. NaN for
 /// y = 0 and for infinities.
 template <class T>
-T mod(const T& x, const T& y) {
+[[gnu::always_inline]] inline T mod(const T& x, const T& y) {
   const T zero = T(typename T::Real(0));
   const T period = abs(y);
   const T along = with_sign_of(x, y);

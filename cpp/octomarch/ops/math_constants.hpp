@@ -34,7 +34,7 @@ struct MathConstants<T, float> {
   static constexpr float kSin[] = {-0x1.555546p-3F, 0x1.11077cp-7F, -0x1.9955acp-13F};
   static constexpr float kCos[] = {0x1.55554ap-5F, -0x1.6c0c18p-10F, 0x1.99dfeap-16F};
   // π/2 in four parts, of which the first three times kTurns are exact; and kFarTurns for the sum Hi + Lo + Least.
-  static constexpr float kTurns = 4096, kFarTurns = 0x1p18F;
+  static constexpr float kTurns = 4096, kFarTurns = 0x1p16F;
   static constexpr float kHalfPi[] = {0x1.922p+0F, -0x1.2aep-18F, -0x1.deap-31F, 0x1.184698p-44F};
   // (atan(t)/t − 1)/t² over t², |t| ≤ tan(π/8), to 2⁻³⁰; (asin(s)/s − 1)/s² over s², |s| ≤ ½, to 2⁻³⁰.
   static constexpr float kAtan[] = {-0x1.55554ap-2F, 0x1.9991e6p-3F, -0x1.23ba04p-3F, 0x1.b22a2cp-4F, -0x1.f3035ep-5F};
@@ -73,7 +73,7 @@ struct MathConstants<T, double> {
                                     0x1.71de35793db8fp-19, -0x1.ae5e66e468ac0p-26, 0x1.5d931393235dfp-33};
   static constexpr double kCos[] = {0x1.555555555554cp-5,   -0x1.6c16c16c15212p-10, 0x1.a01a019cbd1f2p-16,
                                     -0x1.27e4f8107e487p-22, 0x1.1ee9ef7d28867p-29,  -0x1.8fb01aa1fd319p-37};
-  static constexpr double kTurns = 0x1p25, kFarTurns = 0x1p47;
+  static constexpr double kTurns = 0x1p25, kFarTurns = 0x1p45;
   static constexpr double kHalfPi[] = {0x1.921fb54p+0, 0x1.10b4612p-30, -0x1.676733ap-60, -0x1.d1fc8f8cbb5bfp-89};
   // To 2⁻⁵⁹ and 2⁻⁵⁹.
   static constexpr double kAtan[] = {-0x1.555555555553ep-2, 0x1.9999999995a3bp-3,  -0x1.24924922b6f40p-3,

@@ -34,14 +34,14 @@ struct Pair {
 
 /// a + b without error, if |a| ≥ |b|, or a is 0 or a multiple of b's last place (Dekker 1971).
 template <class T>
-Pair<T> ordered_sum(const T& a, const T& b) {
+[[gnu::always_inline]] inline Pair<T> ordered_sum(const T& a, const T& b) {
   const T hi = a + b;
   return {hi, b - (hi - a)};
 }
 
 /// a + b without error (Knuth).
 template <class T>
-Pair<T> exact_sum(const T& a, const T& b) {
+[[gnu::always_inline]] inline Pair<T> exact_sum(const T& a, const T& b) {
   const T hi = a + b;
   const T from_b = hi - a;
   return {hi, (a - (hi - from_b)) + (b - from_b)};
@@ -49,7 +49,7 @@ Pair<T> exact_sum(const T& a, const T& b) {
 
 /// The upper half of a's digits; what it leaves of a is exact.
 template <class T>
-T upper_half(const T& a) {
+[[gnu::always_inline]] inline T upper_half(const T& a) {
   using Integer = typename T::Integer;
   constexpr int kDropped = Ieee<typename T::Real>::kIsFloat ? 12 : 27;
   return T::from_bits(a.bits() & typename T::Bits(~((Integer(1) << kDropped) - 1)));
@@ -57,7 +57,7 @@ T upper_half(const T& a) {
 
 /// a·b with the error of its rounding (Dekker 1971).
 template <class T>
-Pair<T> exact_product(const T& a, const T& b) {
+[[gnu::always_inline]] inline Pair<T> exact_product(const T& a, const T& b) {
   const T product = a * b;
   const T a_hi = upper_half(a);
   const T b_hi = upper_half(b);
@@ -67,47 +67,47 @@ Pair<T> exact_product(const T& a, const T& b) {
 }
 
 template <class T, class Real, std::size_t Count>
-T polynomial(const T& x, const Real (&coefficients)[Count]) {
+[[gnu::always_inline]] inline T polynomial(const T& x, const Real (&coefficients)[Count]) {
   T sum = T(coefficients[Count - 1]);
   for (std::size_t i = Count - 1; i-- > 0;) sum = sum * x + T(coefficients[i]);
   return sum;
 }
 
 template <class T>
-typename T::Bits sign_bit(const T& a) {
+[[gnu::always_inline]] inline typename T::Bits sign_bit(const T& a) {
   return a.bits() & T(typename T::Real(-0.0)).bits();
 }
 
 /// a with its sign turned where b has one.
 template <class T>
-T with_sign_of(const T& a, const T& b) {
+[[gnu::always_inline]] inline T with_sign_of(const T& a, const T& b) {
   return T::from_bits(a.bits() ^ sign_bit(b));
 }
 
 /// Nearest whole number, of |x| below 2²² (2⁵¹).
 template <class T>
-T nearest(const T& x) {
+[[gnu::always_inline]] inline T nearest(const T& x) {
   constexpr auto kMagic = Ieee<typename T::Real>::kMagic;
   return (x + T(kMagic)) - T(kMagic);
 }
 
 /// 2ⁿ for a whole n from the smallest to the largest exponent of normal numbers.
 template <class T>
-T power_of_two(const T& n) {
+[[gnu::always_inline]] inline T power_of_two(const T& n) {
   using I = Ieee<typename T::Real>;
   return T::from_bits((n + T(I::kMagic + I::kBias)).bits() << I::kMantissaBits);
 }
 
 /// a·2ⁿ, n whole and up to twice as large; results below the normal numbers are rounded once.
 template <class T>
-T scaled(const T& a, const T& n) {
+[[gnu::always_inline]] inline T scaled(const T& a, const T& n) {
   const T half = nearest(n * T(typename T::Real(0.5)));
   return a * power_of_two(half) * power_of_two(n - half);
 }
 
 /// x held within [lo, hi]; NaN stays.
 template <class T>
-T clamped(const T& x, typename T::Real lo, typename T::Real hi) {
+[[gnu::always_inline]] inline T clamped(const T& x, typename T::Real lo, typename T::Real hi) {
   return min(T(hi), max(T(lo), x));
 }
 

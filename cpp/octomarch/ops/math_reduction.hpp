@@ -71,20 +71,20 @@ struct Turns {
 };
 
 template <class T>
-Turns<T> nearest_turns(const T& x) {
+[[gnu::always_inline]] inline Turns<T> nearest_turns(const T& x) {
   using I = Ieee<typename T::Real>;
   const T shifted = x * T(typename T::Real(0.6366197723675814)) + T(I::kMagic);
   return {shifted - T(I::kMagic), shifted.bits()};
 }
 
 template <class T>
-auto beyond_turns(const T& x, typename T::Real turns) {
+[[gnu::always_inline]] inline auto beyond_turns(const T& x, typename T::Real turns) {
   using Real = typename T::Real;
   return (abs(x) > T(turns * Real(1.57))) & (abs(x) <= T(Ieee<Real>::kLargest));
 }
 
 template <class Mask, class T>
-Reduced<T> select(const Mask& mask, const Reduced<T>& a, const Reduced<T>& b) {
+[[gnu::always_inline]] inline Reduced<T> select(const Mask& mask, const Reduced<T>& a, const Reduced<T>& b) {
   return {select(mask, a.r, b.r), select(mask, a.r_lo, b.r_lo),
           select(mask, T::from_bits(a.quadrant), T::from_bits(b.quadrant)).bits()};
 }
@@ -107,7 +107,7 @@ template <class T>
 
 /// Reduction after Cody and Waite, with π/2 in four parts, for up to kTurns quarter turns; beyond, the one above.
 template <class T>
-Reduced<T> reduce(const T& x) {
+[[gnu::always_inline]] inline Reduced<T> reduce(const T& x) {
   using C = MathConstants<T>;
   const Turns<T> turns = nearest_turns(x);
   const T first = x - turns.count * T(C::kHalfPi[0]);
