@@ -1,207 +1,17 @@
-// One case for each kind of node: what is known of its field from what is known of its operands.
+// The walk over the graph, and what operators make of what is known of their operands.
 #include "octomarch/graph/analysis.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 #include <utility>
 
-#include "octomarch/graph/schema.hpp"
+#include "octomarch/graph/level_box.hpp"
+#include "octomarch/graph/primitive_facts.hpp"
 
 namespace octomarch {
 
 namespace {
-
-using Axis3 = std::array<double, 3>;
-
-Axis3 array_of(const Vec3& v) { return {v.x, v.y, v.z}; }
-Vec3 vector_of(const Axis3& a) { return {a[0], a[1], a[2]}; }
-
-template <class Function>
-Vec3 per_axis(const Vec3& a, const Vec3& b, Function&& f) {
-  return {f(a.x, b.x), f(a.y, b.y), f(a.z, b.z)};
-}
-
-Vec3 smaller(const Vec3& a, const Vec3& b) {
-  return per_axis(a, b, [](double u, double v) { return std::min(u, v); });
-}
-Vec3 larger(const Vec3& a, const Vec3& b) {
-  return per_axis(a, b, [](double u, double v) { return std::max(u, v); });
-}
-
-LevelBox about_origin(const Vec3& half) { return {half * -1.0, half}; }
-
-/// Half extents of a solid of revolution: `radial` across its axis, `axial` along it.
-Vec3 extents(double radial, double axial, double axis) {
-  Axis3 half{radial, radial, radial};
-  half[static_cast<std::size_t>(axis)] = axial;
-  return vector_of(half);
-}
-
-/// A plane bounds an axis only when its normal lies along it.
-LevelBox plane_box(const Node& node) {
-  Axis3 lo{-kInfinity, -kInfinity, -kInfinity};
-  Axis3 hi{kInfinity, kInfinity, kInfinity};
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (node.parameter(axis) == 1.0) hi[axis] = -node.parameter(3);
-    if (node.parameter(axis) == -1.0) lo[axis] = node.parameter(3);
-  }
-  return {vector_of(lo), vector_of(hi)};
-}
-
-LevelBox capsule_box(const Node& node) {
-  const Vec3 a{node.parameter(0), node.parameter(1), node.parameter(2)};
-  const Vec3 b{node.parameter(3), node.parameter(4), node.parameter(5)};
-  const Vec3 radius{node.parameter(6), node.parameter(6), node.parameter(6)};
-  return {smaller(a, b) - radius, larger(a, b) + radius};
-}
-
-bool is_bounded(const LevelBox& box) { return is_finite(box.lo) && is_finite(box.hi); }
-
-LevelBox hull(const LevelBox& a, const LevelBox& b) {
-  return {smaller(a.lo, b.lo), larger(a.hi, b.hi), larger(a.growth, b.growth)};
-}
-
-LevelBox overlap(const LevelBox& a, const LevelBox& b) {
-  return {larger(a.lo, b.lo), smaller(a.hi, b.hi), larger(a.growth, b.growth)};
-}
-
-LevelBox grown(const LevelBox& box, double level) {
-  return {box.lo - box.growth * level, box.hi + box.growth * level, box.growth};
-}
-
-/// Bounds of a polygon's corners; endless along z.
-LevelBox polygon_box(const Node& node) {
-  LevelBox box{{kInfinity, kInfinity, -kInfinity}, {-kInfinity, -kInfinity, kInfinity}};
-  for (std::size_t i = 0; i < node.parameters().size(); i += 2) {
-    const Vec3 corner{node.parameter(i), node.parameter(i + 1), 0.0};
-    box.lo = {std::min(box.lo.x, corner.x), std::min(box.lo.y, corner.y), box.lo.z};
-    box.hi = {std::max(box.hi.x, corner.x), std::max(box.hi.y, corner.y), box.hi.z};
-  }
-  return box;
-}
-
-LevelBox moved(const LevelBox& box, const Vec3& offset) { return {box.lo + offset, box.hi + offset, box.growth}; }
-
-LevelBox scaled(const LevelBox& box, double factor) { return {box.lo * factor, box.hi * factor, box.growth}; }
-
-/// Bounds of the rotated box. An axis that is empty at level 0 counts as a point there.
-LevelBox rotated(const LevelBox& box, std::span<const double> rotation) {
-  const Axis3 lo = array_of(box.lo);
-  const Axis3 hi = array_of(box.hi);
-  const Axis3 growth = array_of(box.growth);
-  Axis3 new_lo{};
-  Axis3 new_hi{};
-  Axis3 new_growth{};
-  for (std::size_t row = 0; row < 3; ++row) {
-    for (std::size_t column = 0; column < 3; ++column) {
-      const double weight = rotation[row * 3 + column];
-      if (weight == 0.0) continue;  // 0·∞ is no bound
-      const double low = std::min(lo[column], hi[column]) * weight;
-      const double high = std::max(lo[column], hi[column]) * weight;
-      new_lo[row] += std::min(low, high);
-      new_hi[row] += std::max(low, high);
-      new_growth[row] += std::fabs(weight) * growth[column];
-    }
-  }
-  return {vector_of(new_lo), vector_of(new_hi), vector_of(new_growth)};
-}
-
-/// factors · (child's box); a level c is one of c/min(factors) in the child.
-LevelBox stretched(const LevelBox& box, const Vec3& factors) {
-  const double least = std::min({factors.x, factors.y, factors.z});
-  const auto times = [](double a, double b) { return a * b; };
-  return {per_axis(box.lo, factors, times), per_axis(box.hi, factors, times),
-          per_axis(box.growth, factors * (1.0 / least), times)};
-}
-
-/// What lies where the coordinate is ≥ 0, and its mirror image.
-LevelBox mirrored(const LevelBox& box, double axis) {
-  Axis3 lo = array_of(box.lo);
-  const Axis3 hi = array_of(box.hi);
-  const auto i = static_cast<std::size_t>(axis);
-  lo[i] = -hi[i];
-  return {vector_of(lo), box.hi, box.growth};
-}
-
-/// Within `radius` of an axis and, along it, where the child is.
-LevelBox within_cylinder(const LevelBox& box, double radius, std::size_t axis) {
-  Axis3 lo{-radius, -radius, -radius};
-  Axis3 hi{radius, radius, radius};
-  Axis3 growth{1.0, 1.0, 1.0};
-  lo[axis] = array_of(box.lo)[axis];
-  hi[axis] = array_of(box.hi)[axis];
-  growth[axis] = array_of(box.growth)[axis];
-  return {vector_of(lo), vector_of(hi), vector_of(growth)};
-}
-
-LevelBox between(const LevelBox& box, double half_height) {
-  return {{box.lo.x, box.lo.y, -half_height}, {box.hi.x, box.hi.y, half_height}, {box.growth.x, box.growth.y, 1.0}};
-}
-
-LevelBox revolved(const LevelBox& box, double offset) {
-  const double radius = box.hi.x + offset;
-  return {{-radius, box.lo.y, -radius}, {radius, box.hi.y, radius}, {box.growth.x, box.growth.y, box.growth.x}};
-}
-
-LevelBox repeated(const LevelBox& box, const Node& node) {
-  Axis3 lo = array_of(box.lo);
-  Axis3 hi = array_of(box.hi);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const RepeatAxis repeat = repeat_axis(node, axis);
-    if (repeat.period == 0.0) continue;
-    lo[axis] -= repeat.limit * repeat.period;
-    hi[axis] += repeat.limit * repeat.period;
-  }
-  return {vector_of(lo), vector_of(hi), box.growth};
-}
-
-unsigned plane_symmetry(const Node& node) {
-  unsigned mirrors = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    if (node.parameter(axis) == 0.0) mirrors |= kMirrorX << axis;
-  }
-  return mirrors;
-}
-
-/// A capsule mirrors onto itself where its ends keep their coordinate 0, or change places.
-unsigned capsule_symmetry(const Node& node) {
-  unsigned mirrors = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    const bool in_mirror = node.parameter(axis) == 0.0 && node.parameter(axis + 3) == 0.0;
-    bool exchanged = node.parameter(axis) == -node.parameter(axis + 3);
-    for (std::size_t other = 0; other < 3; ++other) {
-      if (other != axis) exchanged = exchanged && node.parameter(other) == node.parameter(other + 3);
-    }
-    if (in_mirror || exchanged) mirrors |= kMirrorX << axis;
-  }
-  return mirrors;
-}
-
-/// A polygon mirrors onto itself where its corners, mirrored, follow each other the other way round.
-bool is_mirrored(std::span<const double> corners, std::size_t axis) {
-  const std::size_t count = corners.size() / 2;
-  const auto is_image = [&](std::size_t i, std::size_t j) {
-    return corners[2 * i + axis] == -corners[2 * j + axis] && corners[2 * i + 1 - axis] == corners[2 * j + 1 - axis];
-  };
-  std::size_t start = 0;
-  while (start < count && !is_image(0, start)) ++start;
-  if (start == count) return false;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!is_image(i, (start + count - i) % count)) return false;
-  }
-  return true;
-}
-
-unsigned polygon_symmetry(const Node& node) {
-  unsigned mirrors = kMirrorX << 2U;
-  for (std::size_t axis = 0; axis < 2; ++axis) {
-    if (is_mirrored(node.parameters(), axis)) mirrors |= kMirrorX << axis;
-  }
-  return mirrors;
-}
 
 /// Mirror bits carried through a rotation: an axis keeps its bit where the rotation takes it to an axis.
 unsigned rotated_symmetry(unsigned symmetry, std::span<const double> rotation) {
@@ -222,14 +32,6 @@ unsigned translated_symmetry(unsigned symmetry, const Node& node) {
     if (node.parameter(axis) != 0.0) mirrors &= ~(kMirrorX << axis);
   }
   return mirrors;
-}
-
-FieldFacts primitive(const LevelBox& box, unsigned symmetry) {
-  FieldFacts facts;
-  facts.level = box;
-  if (is_bounded(box)) facts.focus = box;
-  facts.symmetry = symmetry;
-  return facts;
 }
 
 /// `lowering`: by how much a blend lowers the smaller operand at the most.
@@ -281,14 +83,6 @@ FieldFacts carried(const FieldFacts& child, unsigned symmetry, Move&& move) {
   return facts;
 }
 
-FieldFacts field_facts(const Node& node) {
-  const auto p = node.parameters();
-  FieldFacts facts = primitive({{p[1], p[2], p[3]}, {p[4], p[5], p[6]}}, 0);
-  const bool is_cut = std::any_of(p.begin() + 1, p.end(), [](double bound) { return std::isfinite(bound); });
-  facts.lipschitz = is_cut ? std::max(p[0], 1.0) : p[0];
-  return facts;
-}
-
 /// Lipschitz bound of a map that shears by `shear` = rate · radius across what it is turned about.
 double shear_bound(double shear) { return (shear + std::sqrt(shear * shear + 4.0)) / 2.0; }
 
@@ -301,31 +95,6 @@ FieldFacts turned_facts(const Node& node, const FieldFacts& child) {
   // a bend's rate grows along a line across its axis: there it stretches by 1 + shear, where a twist only shears
   facts.lipschitz = std::max(1.0, child.lipschitz * (is_twist ? shear_bound(shear) : 1.0 + shear));
   return facts;
-}
-
-FieldFacts primitive_facts(const Node& node) {
-  const auto p = node.parameters();
-  switch (node.kind()) {
-    case NodeKind::kSphere: return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll | kIsotropic);
-    case NodeKind::kBox:
-    case NodeKind::kBoxExterior:
-    case NodeKind::kBoxMaximum: return primitive(about_origin({p[0], p[1], p[2]}), kMirrorAll);
-    case NodeKind::kPlane: return primitive(plane_box(node), plane_symmetry(node));
-    case NodeKind::kCylinder: return primitive(about_origin(extents(p[0], kInfinity, p[1])), kMirrorAll);
-    case NodeKind::kCappedCylinder: return primitive(about_origin(extents(p[0], p[1], p[2])), kMirrorAll);
-    case NodeKind::kTorus: return primitive(about_origin(extents(p[0] + p[1], p[1], p[2])), kMirrorAll);
-    case NodeKind::kCapsule: return primitive(capsule_box(node), capsule_symmetry(node));
-    case NodeKind::kCappedCone:
-      return primitive(about_origin(extents(std::max(p[0], p[1]), p[2], 1.0)),
-                       p[0] == p[1] ? kMirrorAll : kMirrorX | kMirrorX << 2U);
-    case NodeKind::kOctahedron: return primitive(about_origin({p[0], p[0], p[0]}), kMirrorAll);
-    case NodeKind::kPyramid: return primitive(about_origin({p[0], p[1], p[0]}), kMirrorX | kMirrorX << 2U);
-    case NodeKind::kRectangle: return primitive(about_origin({p[0], p[1], kInfinity}), kMirrorAll);
-    case NodeKind::kPolygon: return primitive(polygon_box(node), polygon_symmetry(node));
-    case NodeKind::kField: return field_facts(node);
-    case NodeKind::kSolid: return {};
-    default: throw std::logic_error("analysis.cpp: nothing known of " + std::string(name(node.kind())));
-  }
 }
 
 /// Of operators over one distance.
