@@ -68,7 +68,7 @@ void register_expression(py::module_& module) {
   module.def("texel", &texel, py::arg("image").none(false), py::arg("u").none(false), py::arg("v").none(false),
              py::arg("channel"), py::arg("wrap"));
   module.def("constant_value", &constant_of, py::arg("node").none(false));
-  module.def("uses_normal", &uses_normal, py::arg("expression").none(false));
+  module.def("uses_normal", &Node::uses_normal, py::arg("expression").none(false));
   module.def("expression_bounds", &bounds_of, py::arg("expression").none(false), py::arg("lo"), py::arg("hi"));
   py::class_<Material>(module, "Material", py::is_final())
       .def(py::init([](std::array<NodePtr, Material::kSlots> slots) { return Material{std::move(slots)}; }),

@@ -3,6 +3,8 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -12,6 +14,7 @@
 
 #include "octomarch/bindings/register.hpp"
 #include "octomarch/graph/node.hpp"
+#include "octomarch/graph/node_list.hpp"
 #include "octomarch/graph/schema.hpp"
 
 namespace py = pybind11;
@@ -31,11 +34,32 @@ std::optional<py::array> texels_of(const NodePtr& node) {
   return view;
 }
 
-NodePtr node_from(const std::string& kind, std::vector<double> parameters, std::vector<NodePtr> children,
-                  const std::optional<Texels>& texels) {
+void append(NodeList& list, const std::string& kind, std::vector<double> parameters,
+            const std::vector<std::size_t>& children, const std::optional<Texels>& texels) {
   std::vector<float> values;
   if (texels) values.assign(texels->data(), texels->data() + texels->size());
-  return checked_node(kind, std::move(parameters), std::move(children), std::move(values));
+  list.append(kind, std::move(parameters), children, std::move(values));
+}
+
+/// A parameter of a kind of node: its name, its type, and how many numbers it has, 0 for any number.
+using ParameterInfo = std::tuple<std::string_view, std::string_view, std::size_t>;
+
+std::vector<ParameterInfo> parameters_of(const NodeSchema& schema) {
+  std::vector<ParameterInfo> parameters;
+  for (const Parameter& parameter : schema.parameters) {
+    if (parameters.empty() || std::get<0>(parameters.back()) != parameter.name) {
+      parameters.emplace_back(parameter.name, name(parameter.type), 0);
+    }
+    ++std::get<2>(parameters.back());
+  }
+  if (schema.any_number) std::get<2>(parameters.back()) = 0;
+  return parameters;
+}
+
+py::dict node_kinds() {
+  py::dict kinds;
+  for (const std::string_view kind : node_names()) kinds[py::str(kind)] = parameters_of(schema(*kind_named(kind)));
+  return kinds;
 }
 
 }  // namespace
@@ -48,6 +72,7 @@ void register_node(py::module_& module) {
       .def("__hash__", [](const Node& node) { return std::hash<const Node*>{}(&node); })
       .def("__repr__", [](const Node& node) { return "<Node " + std::string(name(node.kind())) + ">"; })
       .def_property_readonly("kind", [](const Node& node) { return name(node.kind()); })
+      .def_property_readonly("sort", &sort_of)
       .def_property_readonly("parameters",
                              [](const Node& node) {
                                const auto p = node.parameters();
@@ -59,10 +84,16 @@ void register_node(py::module_& module) {
                                return std::vector<NodePtr>(children.begin(), children.end());
                              })
       .def_property_readonly("texels", &texels_of)
-      .def_property_readonly("is_flat", [](const Node& node) { return is_flat(node); })
+      .def_property_readonly("is_flat", &Node::is_flat)
       .def_property_readonly("node_count", [](const NodePtr& node) { return count_nodes(node); });
-  module.def("checked_node", &node_from, py::arg("kind"), py::arg("parameters"), py::arg("children"),
-             py::arg("texels"));
+  py::class_<NodeList>(module, "NodeList", py::is_final(), "Nodes of unknown origin, each checked as it is appended.")
+      .def(py::init<>())
+      .def("append", &append, py::arg("kind"), py::arg("parameters"), py::arg("children"), py::arg("texels"))
+      .def("__len__", &NodeList::size)
+      .def("__getitem__", &NodeList::at);
+  module.def("node_kinds", &node_kinds);
+  module.def(
+      "children_first", [](const std::vector<NodePtr>& roots) { return children_first(roots); }, py::arg("roots"));
 }
 
 }  // namespace octomarch

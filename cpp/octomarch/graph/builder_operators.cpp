@@ -44,7 +44,7 @@ Mat3 rodrigues(const Vec3& a, const SineCosine& angle) {
 
 void require_flat(const NodePtr& shape) {
   require_shape(shape);
-  require(is_flat(*shape), "shape", "flat, the same at every z", name(shape->kind()));
+  require(shape->is_flat(), "shape", "flat, the same at every z", name(shape->kind()));
 }
 
 /// How far the solid reaches from coordinate axis `axis`.

@@ -42,7 +42,7 @@ inline void require_expression(const NodePtr& node, std::string_view argument = 
 /// Shapes ask what lies at a point before there is a surface: their expressions have no normal to look at.
 inline void require_field_expression(const NodePtr& node) {
   require_expression(node);
-  require(!uses_normal(*node), "expression", "without the normal, which only materials have", "one with it");
+  require(!node->uses_normal(), "expression", "without the normal, which only materials have", "one with it");
 }
 
 inline void require_field_bounds(const Aabb& box) {

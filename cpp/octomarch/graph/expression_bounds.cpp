@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <optional>
 #include <queue>
+#include <tuple>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -111,36 +113,57 @@ std::vector<SquareTerm> squares_in(const Steps& steps, std::size_t sum) {
   return terms;
 }
 
-/// The expression's nodes, operands before what is made of them.
-Steps steps_of(const Node& root) {
-  Steps steps;
-  std::unordered_map<const Node*, std::size_t> known;
-  std::vector<std::pair<const Node*, bool>> stack{{&root, false}};
-  while (!stack.empty()) {
-    const auto [node, operands_done] = stack.back();
-    stack.pop_back();
-    if (known.contains(node)) continue;
-    if (!operands_done) {
+/// Nodes of expressions, each once, operands before what is made of them.
+class StepList {
+ public:
+  /// Adds what is not there yet of the expression.
+  void add(const Node& root) {
+    std::vector<std::pair<const Node*, bool>> stack{{&root, false}};
+    while (!stack.empty()) {
+      const auto [node, operands_done] = stack.back();
+      stack.pop_back();
+      if (known_.contains(node)) continue;
+      if (operands_done) {
+        add_one(*node);
+        continue;
+      }
       stack.emplace_back(node, true);
       for (const NodePtr& child : node->children()) {
         if (is_expression(child->kind())) stack.emplace_back(child.get(), false);
       }
-      continue;
     }
-    Step step{node, {}, {}, {}};
-    for (const NodePtr& child : node->children()) {
-      if (is_expression(child->kind())) step.operands.push_back(known.at(child.get()));
-    }
-    if (node->kind() == NodeKind::kSquareRoot) step.squares = squares_in(steps, step.operands[0]);
-    if (node->kind() == NodeKind::kMultiply) {
-      if (const auto term = square_term(steps, step.operands[0], step.operands[1])) step.squares = {*term};
-    }
-    if (node->kind() == NodeKind::kTexel) step.texel = texel_facts(*node);
-    known.emplace(node, steps.size());
-    steps.push_back(std::move(step));
   }
-  return steps;
-}
+
+  const Steps& steps() const { return steps_; }
+  std::size_t place_of(const Node& expression) const { return known_.at(&expression); }
+
+ private:
+  /// Contract: the node's operands are there.
+  void add_one(const Node& node) {
+    Step step{&node, {}, {}, {}};
+    for (const NodePtr& child : node.children()) {
+      if (is_expression(child->kind())) step.operands.push_back(known_.at(child.get()));
+    }
+    if (node.kind() == NodeKind::kSquareRoot) step.squares = squares_in(steps_, step.operands[0]);
+    if (node.kind() == NodeKind::kMultiply) {
+      if (const auto term = square_term(steps_, step.operands[0], step.operands[1])) step.squares = {*term};
+    }
+    if (node.kind() == NodeKind::kTexel) step.texel = texels_of(node);
+    known_.emplace(&node, steps_.size());
+    steps_.push_back(std::move(step));
+  }
+
+  /// An image is large, and many lookups share it.
+  const TexelFacts& texels_of(const Node& texel) {
+    const std::tuple key{&texel.child(0), texel.parameter(0), texel.parameter(1)};
+    const auto entry = texels_.find(key);
+    return entry != texels_.end() ? entry->second : texels_.emplace(key, texel_facts(texel)).first->second;
+  }
+
+  Steps steps_;
+  std::unordered_map<const Node*, std::size_t> known_;
+  std::map<std::tuple<const Node*, double, double>, TexelFacts> texels_;
+};
 
 Slopes coordinate_over(const Node& node, const Piece& piece) {
   const auto index = static_cast<std::size_t>(node.parameter(0));
@@ -255,16 +278,16 @@ Slopes step_over(const Step& step, const Values& values, const Piece& piece) {
   return function_over(kind, operand(0));
 }
 
-Slopes evaluated(const Steps& steps, const Piece& piece, Values& values) {
+/// Evaluates the steps from `first` on; those before it have their values.
+void evaluate(const Steps& steps, const Piece& piece, Values& values, std::size_t first = 0) {
   values.resize(steps.size());
-  for (std::size_t i = 0; i < steps.size(); ++i) {
+  for (std::size_t i = first; i < steps.size(); ++i) {
     values[i] = step_over(steps[i], values, piece);
     const bool constant =
         std::ranges::all_of(steps[i].operands, [&](std::size_t j) { return values[j].is_constant(); });
     if (constant && !steps[i].operands.empty())
       values[i] = level(values[i].value);  // whatever the function does elsewhere
   }
-  return values.back();
 }
 
 /// A part of the box, and the expression over it.
@@ -302,11 +325,13 @@ std::pair<Piece, Piece> halves(const Piece& piece) {
 }  // namespace
 
 ExpressionBounds expression_bounds(const Node& expression, const Aabb& box) {
-  const Steps steps = steps_of(expression);
+  StepList list;
+  list.add(expression);
+  const Steps& steps = list.steps();
   Values values;
   const auto bounded = [&](const Piece& piece) {
-    const Slopes result = evaluated(steps, piece, values);
-    return Bounded{piece, result, steepness(result)};
+    evaluate(steps, piece, values);
+    return Bounded{piece, values.back(), steepness(values.back())};
   };
   const Piece whole = piece_of(steps, box);
   std::priority_queue<Bounded> pieces;
@@ -329,6 +354,21 @@ ExpressionBounds expression_bounds(const Node& expression, const Aabb& box) {
   value = pieces.top().result.value;
   for (; !pieces.empty(); pieces.pop()) value = hull(value, pieces.top().result.value);
   return {value.lo(), value.hi(), slope};
+}
+
+struct Amplitudes::State {
+  StepList list;
+  Values values;
+};
+
+Amplitudes::Amplitudes() : state_(std::make_unique<State>()) {}
+Amplitudes::~Amplitudes() = default;
+
+double Amplitudes::of(const Node& expression) {
+  const std::size_t first = state_->list.steps().size();
+  state_->list.add(expression);
+  evaluate(state_->list.steps(), {Interval::whole(), Interval::whole(), Interval::whole()}, state_->values, first);
+  return state_->values[state_->list.place_of(expression)].value.magnitude();
 }
 
 }  // namespace octomarch

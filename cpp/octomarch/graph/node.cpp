@@ -32,6 +32,35 @@ std::uint64_t hash(NodeKind kind, std::span<const double> parameters, std::span<
 bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 bool same_bits(float a, float b) { return std::bit_cast<std::uint32_t>(a) == std::bit_cast<std::uint32_t>(b); }
 
+/// Does a shape of this kind look the same at every z, if what it is made of does?
+bool stays_flat(NodeKind kind, std::span<const double> p) {
+  switch (kind) {
+    case NodeKind::kRectangle:
+    case NodeKind::kPolygon:
+    case NodeKind::kField:
+    case NodeKind::kSolid:
+    case NodeKind::kUnion:
+    case NodeKind::kIntersection:
+    case NodeKind::kDifference:
+    case NodeKind::kMetaballs:
+    case NodeKind::kComplement:
+    case NodeKind::kRound:
+    case NodeKind::kShell:
+    case NodeKind::kDisplace:
+    case NodeKind::kScale:
+    case NodeKind::kPaint:
+    case NodeKind::kTranslate:
+    case NodeKind::kStretch:
+    case NodeKind::kMirror: return true;
+    case NodeKind::kCylinder: return p[1] == 2.0;
+    case NodeKind::kRotate: return p[8] == 1.0;
+    case NodeKind::kPlane:
+    case NodeKind::kRepeat:
+    case NodeKind::kElongate: return p[2] == 0.0;
+    default: return false;
+  }
+}
+
 }  // namespace
 
 /// The table of living nodes, and the deleter that takes them out of it.
@@ -117,7 +146,18 @@ class Interner {
 };
 
 Node::Node(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children, std::vector<float> texels)
-    : kind_(kind), parameters_(std::move(parameters)), children_(std::move(children)), texels_(std::move(texels)) {}
+    : kind_(kind), parameters_(std::move(parameters)), children_(std::move(children)), texels_(std::move(texels)) {
+  const auto any = [this](const auto& is_so) {
+    return std::ranges::any_of(children_, [&](const NodePtr& child) { return is_so(*child); });
+  };
+  const double coordinate = kind == NodeKind::kCoordinate ? parameters_[0] : 0.0;
+  uses_z_ = coordinate == 2.0 || any([](const Node& child) { return child.uses_z_; });
+  uses_normal_ = coordinate >= 3.0 || any([](const Node& child) { return child.uses_normal_; });
+  const bool is_painted = kind == NodeKind::kPaint;  // whatever its colours do, the field stays as it is
+  is_flat_ = stays_flat(kind, parameters_) && !any([is_painted](const Node& child) {
+               return is_shape(child.kind_) ? !child.is_flat_ : child.uses_z_ && !is_painted;
+             });
+}
 
 NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children,
                std::vector<float> texels) {
@@ -143,38 +183,6 @@ std::size_t count_nodes(const NodePtr& root) {
   std::size_t count = 0;
   if (root) any_node(*root, [&](const Node&) { return ++count, false; });
   return count;
-}
-
-bool is_flat(const Node& shape) {
-  const auto is_z = [](const Node& node) { return node.kind() == NodeKind::kCoordinate && node.parameter(0) == 2.0; };
-  return !any_node(shape, [&is_z](const Node& node) {
-    const auto p = node.parameters();
-    switch (node.kind()) {
-      case NodeKind::kRectangle:
-      case NodeKind::kPolygon:
-      case NodeKind::kUnion:
-      case NodeKind::kIntersection:
-      case NodeKind::kDifference:
-      case NodeKind::kMetaballs:
-      case NodeKind::kComplement:
-      case NodeKind::kRound:
-      case NodeKind::kShell:
-      case NodeKind::kScale:
-      case NodeKind::kPaint:
-      case NodeKind::kTranslate:
-      case NodeKind::kStretch:
-      case NodeKind::kMirror: return false;
-      case NodeKind::kCylinder: return p[1] != 2.0;
-      case NodeKind::kRotate: return p[8] != 1.0;
-      case NodeKind::kPlane:
-      case NodeKind::kRepeat:
-      case NodeKind::kElongate: return p[2] != 0.0;
-      case NodeKind::kField:
-      case NodeKind::kSolid:
-      case NodeKind::kDisplace: return any_node(*node.children().back(), is_z);
-      default: return is_shape(node.kind());
-    }
-  });
 }
 
 RepeatAxis repeat_axis(const Node& repeat, std::size_t axis) {

@@ -42,9 +42,19 @@ class Node {
   /// RGB after RGB, row after row from the top; images only.
   std::span<const float> texels() const { return texels_; }
 
+  /// Shapes: is the field the same at every z? Such are the flat primitives, and what is made of them without leaving
+  /// the plane.
+  bool is_flat() const { return is_flat_; }
+  /// Expressions: is z of the point among what it is made of; is the surface's normal?
+  bool uses_z() const { return uses_z_; }
+  bool uses_normal() const { return uses_normal_; }
+
  private:
   friend class Interner;
   NodeKind kind_;
+  bool is_flat_ = false;
+  bool uses_z_ = false;
+  bool uses_normal_ = false;
   std::vector<double> parameters_;
   std::vector<NodePtr> children_;
   std::vector<float> texels_;
@@ -60,9 +70,6 @@ std::size_t count_nodes(const NodePtr& root);
 
 /// Calls `visit` once for each distinct node reachable from `root` until it returns true; did it? Constant stack.
 bool any_node(const Node& root, const std::function<bool(const Node&)>& visit);
-
-/// Is the shape the same at every z? Such are the flat primitives, and what is made of them without leaving the plane.
-bool is_flat(const Node& shape);
 
 /// Repetition along one axis: the cell of coordinate p is the copy whose centre is nearest, copies standing at
 /// (i − (count−1)/2)·period for i in [0, count), or at all whole multiples when count = 0. Three constants describe it:

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <string>
 #include <utility>
 
 #include "octomarch/base/error.hpp"
 #include "octomarch/graph/checks.hpp"
+#include "octomarch/graph/scene.hpp"
 #include "octomarch/graph/text.hpp"
 
 namespace octomarch {
@@ -26,7 +28,6 @@ constexpr Description kDescriptions[] = {
 #include "octomarch/graph/nodes.def"
 #undef OCTOMARCH_NODE
 };
-constexpr std::size_t kKinds = sizeof(kDescriptions) / sizeof(kDescriptions[0]);
 
 constexpr std::array<std::pair<std::string_view, ParameterType>, 9> kTypes{{{"length", ParameterType::kLength},
                                                                             {"position", ParameterType::kPosition},
@@ -80,7 +81,7 @@ bool is_allowed(ParameterType type, double value) {
     case ParameterType::kFactor: return std::isfinite(value) && value > 0.0;
     case ParameterType::kBound: return !std::isnan(value);
     case ParameterType::kAxis: return value == 0.0 || value == 1.0 || value == 2.0;
-    case ParameterType::kWhole: return value >= 0.0 && value <= 0x1p31 && value == std::floor(value);
+    case ParameterType::kWhole: return value >= 0.0 && value < 0x1p31 && value == std::floor(value);
     default: return std::isfinite(value);
   }
 }
@@ -92,13 +93,19 @@ std::string_view requirement(ParameterType type) {
     case ParameterType::kFactor: return "finite and > 0";
     case ParameterType::kBound: return "a number";
     case ParameterType::kAxis: return "0, 1 or 2";
-    case ParameterType::kWhole: return "a whole number >= 0";
+    case ParameterType::kWhole: return "a whole number from 0 to 2147483647";
     default: return "finite";
   }
 }
 
-std::string_view sort(const Node& node) {
-  return is_shape(node.kind()) ? "shape" : is_expression(node.kind()) ? "expression" : "image";
+/// "radius", or "half[1]" where there are several of the name.
+std::string name_of(const NodeSchema& schema, std::size_t i) {
+  const auto& all = schema.parameters;
+  const std::string_view name = all[std::min(i, all.size() - 1)].name;
+  const auto named = [name](const Parameter& parameter) { return parameter.name == name; };
+  const auto first = static_cast<std::size_t>(std::ranges::find_if(all, named) - all.begin());
+  if (!schema.any_number && std::ranges::count_if(all, named) == 1) return std::string(name);
+  return std::string(name) + "[" + std::to_string(i - first) + "]";
 }
 
 void check_parameters(const NodeSchema& schema, const std::vector<double>& parameters) {
@@ -108,8 +115,8 @@ void check_parameters(const NodeSchema& schema, const std::vector<double>& param
           parameters.size());
   for (std::size_t i = 0; i < parameters.size(); ++i) {
     const Parameter& parameter = schema.parameters[std::min(i, least - 1)];
-    require(is_allowed(parameter.type, parameters[i]), parameter.name, requirement(parameter.type),
-            text(parameters[i]));
+    if (is_allowed(parameter.type, parameters[i])) continue;
+    require(false, name_of(schema, i), requirement(parameter.type), text(parameters[i]));
   }
 }
 
@@ -120,8 +127,8 @@ void check_children(const NodeSchema& schema, const std::vector<NodePtr>& childr
           children.size());
   for (std::size_t i = 0; i < children.size(); ++i) {
     const std::string_view wanted = schema.children[std::min(i, least - 1)];
-    require(children[i] != nullptr && sort(*children[i]) == wanted, "children[" + std::to_string(i) + "]", wanted,
-            children[i] == nullptr ? "none" : sort(*children[i]));
+    require(children[i] != nullptr && sort_of(*children[i]) == wanted, "children[" + std::to_string(i) + "]", wanted,
+            children[i] == nullptr ? "none" : sort_of(*children[i]));
   }
 }
 
@@ -146,6 +153,32 @@ void check_repeat(const std::vector<double>& p) {
   }
 }
 
+std::optional<double> constant_of(const Node& node) {
+  return node.kind() == NodeKind::kConstant ? std::optional(node.parameter(0)) : std::nullopt;
+}
+
+/// A paint's numbers lie in the ranges of materials; what changes from point to point may leave them. See Material.
+void check_paint(const std::vector<NodePtr>& children) {
+  require(children.size() == 1 + Material::kSlots, "children", "a shape and 7 expressions", children.size());
+  std::array<std::optional<double>, 1 + Material::kSlots> numbers;
+  for (std::size_t i = 1; i <= Material::kSlots; ++i) numbers[i] = constant_of(*children[i]);
+  const bool is_one_color = numbers[1] && numbers[2] && numbers[3];
+  for (std::size_t i = 1; i <= Material::kSlots; ++i) {
+    if (!numbers[i] || (i <= 3 && !is_one_color)) continue;
+    const double most = i <= 3 ? std::numeric_limits<double>::max() : 1.0;
+    require(*numbers[i] >= 0.0 && *numbers[i] <= most, "children[" + std::to_string(i) + "]",
+            i <= 3 ? "finite and >= 0" : "from 0 to 1", text(*numbers[i]));
+  }
+}
+
+void check_image(const std::vector<double>& p, const std::vector<float>& texels) {
+  require(p[0] >= 1.0, "width", ">= 1", text(p[0]));
+  require(p[1] >= 1.0, "height", ">= 1", text(p[1]));
+  require(p[0] * p[1] * 3.0 == double(texels.size()), "texels", "3 for each of the image's pixels", texels.size());
+  const bool finite = std::ranges::all_of(texels, [](float texel) { return std::isfinite(texel); });
+  require(finite, "texels", "finite", "some that are not");
+}
+
 /// What a kind demands of its parameters together.
 void check_whole(NodeKind kind, const std::vector<double>& p, const std::vector<NodePtr>& children,
                  const std::vector<float>& texels) {
@@ -161,16 +194,13 @@ void check_whole(NodeKind kind, const std::vector<double>& p, const std::vector<
     case NodeKind::kRotate: return check_rotation(p);
     case NodeKind::kRepeat: return check_repeat(p);
     case NodeKind::kExtrude:
-    case NodeKind::kRevolve: return require(is_flat(*children[0]), "shape", "flat", name(children[0]->kind()));
-    case NodeKind::kPaint:
-      return require(children.size() == 8, "children", "a shape and 7 expressions", children.size());
+    case NodeKind::kRevolve: return require(children[0]->is_flat(), "shape", "flat", name(children[0]->kind()));
+    case NodeKind::kPaint: return check_paint(children);
     case NodeKind::kCoordinate: return require(p[0] <= 5.0, "index", "0 to 5", text(p[0]));
     case NodeKind::kTexel:
       require(p[0] <= 2.0, "channel", "0, 1 or 2", text(p[0]));
       return require(p[1] <= 2.0, "wrap", "0, 1 or 2", text(p[1]));
-    case NodeKind::kImage:
-      return require(p[0] >= 1.0 && p[1] >= 1.0 && p[0] * p[1] * 3.0 == double(texels.size()), "texels",
-                     "3 for each of the image's pixels", texels.size());
+    case NodeKind::kImage: return check_image(p, texels);
     default: return;
   }
 }
@@ -178,19 +208,36 @@ void check_whole(NodeKind kind, const std::vector<double>& p, const std::vector<
 /// Shapes ask what lies at a point before there is a surface: their expressions have no normal to look at.
 void check_expressions(NodeKind kind, const std::vector<NodePtr>& children) {
   if (kind != NodeKind::kField && kind != NodeKind::kSolid && kind != NodeKind::kDisplace) return;
-  require(!uses_normal(*children.back()), "expression", "without the normal, which only materials have", "one with it");
-}
-
-std::optional<NodeKind> kind_named(std::string_view text) {
-  for (std::size_t kind = 0; kind < kKinds; ++kind) {
-    if (kDescriptions[kind].name == text) return static_cast<NodeKind>(kind);
-  }
-  return std::nullopt;
+  require(!children.back()->uses_normal(), "expression", "without the normal, which only materials have",
+          "one with it");
 }
 
 }  // namespace
 
+std::span<const std::string_view> node_names() {
+  static const std::vector<std::string_view> names = [] {
+    std::vector<std::string_view> result;
+    for (const Description& description : kDescriptions) result.push_back(description.name);
+    return result;
+  }();
+  return names;
+}
+
+std::optional<NodeKind> kind_named(std::string_view name) {
+  const auto entry = std::ranges::find(node_names(), name);
+  if (entry == node_names().end()) return std::nullopt;
+  return static_cast<NodeKind>(entry - node_names().begin());
+}
+
 std::string_view name(NodeKind kind) { return kDescriptions[static_cast<std::size_t>(kind)].name; }
+
+std::string_view name(ParameterType type) {
+  return std::ranges::find(kTypes, type, &std::pair<std::string_view, ParameterType>::second)->first;
+}
+
+std::string_view sort_of(const Node& node) {
+  return is_shape(node.kind()) ? "shape" : is_expression(node.kind()) ? "expression" : "image";
+}
 
 const NodeSchema& schema(NodeKind kind) {
   static const std::vector<NodeSchema> schemas = [] {
@@ -222,11 +269,6 @@ NodePtr checked_node(std::string_view kind_name, std::vector<double> parameters,
   check_whole(*kind, parameters, children, texels);
   check_expressions(*kind, children);
   return intern(*kind, std::move(parameters), std::move(children), std::move(texels));
-}
-
-bool uses_normal(const Node& expression) {
-  return any_node(expression,
-                  [](const Node& node) { return node.kind() == NodeKind::kCoordinate && node.parameter(0) >= 3.0; });
 }
 
 }  // namespace octomarch

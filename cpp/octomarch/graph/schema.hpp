@@ -2,6 +2,8 @@
 // before it; the builder and files make nodes through it, the compiler asks how parameters grow with a shape.
 #pragma once
 
+#include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -11,6 +13,13 @@ namespace octomarch {
 
 /// Lower-case name of a kind, as in nodes.def ("smooth union" is "union" with k > 0).
 std::string_view name(NodeKind kind);
+
+/// Names of all kinds, in the order of nodes.def; and the kind of a name.
+std::span<const std::string_view> node_names();
+std::optional<NodeKind> kind_named(std::string_view name);
+
+/// What a node can be a child as: "shape", "expression" or "image".
+std::string_view sort_of(const Node& node);
 
 /// Types of parameters; see nodes.def.
 enum class ParameterType : std::uint8_t {
@@ -24,6 +33,9 @@ enum class ParameterType : std::uint8_t {
   kAxis,
   kWhole,
 };
+
+/// As in nodes.def.
+std::string_view name(ParameterType type);
 
 struct Parameter {
   std::string_view name;
@@ -42,12 +54,9 @@ const NodeSchema& schema(NodeKind kind);
 /// Parameter `i` of a node whose shape is enlarged by `scale`.
 double scaled_parameter(const Node& node, std::size_t i, double scale);
 
-/// The node of that name, after every check that its builder makes. For what comes from files: throws ArgumentError
-/// that names the parameter or child and the value.
+/// The node of that name, after every check that can be made by looking at its parameters and children alone. Throws
+/// ArgumentError that names the parameter or child and the value.
 NodePtr checked_node(std::string_view kind_name, std::vector<double> parameters, std::vector<NodePtr> children,
                      std::vector<float> texels);
-
-/// Does the expression look at the surface's normal? O(nodes).
-bool uses_normal(const Node& expression);
 
 }  // namespace octomarch
