@@ -8,6 +8,7 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import octomarch as om
@@ -51,13 +52,47 @@ def test_listing_of_a_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     assert main(["listing", f"{path}:other"]) == 0
     assert "sphere" in capsys.readouterr().out
     assert main(["listing", f"{path}:none"]) == 1
-    assert "mine.py defines no shape or scene named none" in capsys.readouterr().err
+    assert "mine.py defines no shape, scene or shot named none" in capsys.readouterr().err
+
+
+def test_render_takes_files_and_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    shot = om.Shot(om.Scene(om.sphere(1.0)), om.Camera((0, 0, 4), (0, 0, 0)), (32, 18), planes=("color", "depth"))
+    shot.save(tmp_path / "shot.json")
+    shot.scene.save(tmp_path / "scene.json")
+    (tmp_path / "shot.py").write_text(f"import octomarch as om\nshot = om.Shot.load({str(tmp_path / 'shot.json')!r})\n")
+
+    def rendered(source: str, *options: str) -> om.Image:
+        assert main(["render", str(tmp_path / source), "-o", str(tmp_path / "out.exr"), *options]) == 0
+        assert re.match(rf"{re.escape(str(tmp_path))}/out\.exr: \d+x\d+, ", capsys.readouterr().out)
+        return om.read_exr(tmp_path / "out.exr")
+
+    expected = shot.render()
+    for source in ("shot.json", "shot.py", "out.exr"):
+        image = rendered(source)
+        assert (image.size, image.planes) == ((32, 18), ("color", "depth"))
+        assert np.array_equal(image.color, expected.color)
+    image = rendered("scene.json", "--size", "16x12", "--samples", "4", "--planes", "all", "--threads", "1")
+    assert (image.size, image.planes) == ((16, 12), tuple(PLANES))
+    assert image.metadata["render"]["samples"] == 4
+    assert main(["listing", str(tmp_path / "out.exr")]) == main(["listing", str(tmp_path / "shot.json")]) == 0
+    assert capsys.readouterr().out.count("sphere") == 2
+
+
+def test_render_of_a_demo_to_png(tmp_path: Path):
+    assert main(["render", "blend", "-o", str(tmp_path / "blend.png"), "--size", "48x27"]) == 0
+    assert om.Shot.load(tmp_path / "blend.png").size == (48, 27)
 
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["listing", "cathedral"], r"scene must be blend or building or FILE\.py"),
+        (["render", "none.json", "-o", "out.png"], r"none\.json"),
+        (["render", __file__ + ".json", "-o", "out.png"], r"\.json"),
+        (["render", "blend", "-o", "out.gif", "--size", "8x8"], r"OUT must end in \.exr or \.png, got 'out\.gif'"),
+        (["render", "blend", "-o", "nowhere/out.png"], "there is no directory nowhere"),
+        (["render", "blend", "-o", "out.exr", "--planes", "colour"], r"planes must be one of .*'colour'"),
+        (["render", "blend", "-o", "out.exr", "--samples", "0"], r"samples must lie in \[1, 64\], got 0"),
+        (["listing", "cathedral"], r"scene must be blend, building, FILE\.json, .* or FILE\.py"),
         (["listing", "none.py"], "none.py"),
         (["demo", "--isa", "mmx"], "isa.*mmx"),
         (["demo", "--size", "0x5"], r"size\[0\]"),
@@ -83,7 +118,7 @@ def test_interruption_is_told_quietly(monkeypatch: pytest.MonkeyPatch, tmp_path:
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(om, "render", interrupted)
+    monkeypatch.setattr(om.Shot, "render", interrupted)
     assert main(["demo", "-o", str(tmp_path)]) == 130
 
 

@@ -123,7 +123,7 @@ def test_metadata_describes_materials_lights_and_skies_as_plain_data():
 
 
 def test_metadata_of_large_scenes_stays_small():
-    many = om.union(*(om.sphere(0.1, center=(i % 20, i // 20, 0)) for i in range(500)))
+    many = om.union(*(om.sphere(0.1, center=(i % 20, i // 20, 0)) for i in range(5000)))
     assert len(json.dumps(om.render(many, size=SMALL).metadata)) < 2000
 
 

@@ -58,8 +58,10 @@ from octomarch.program import Program, compile
 from octomarch.queries import Hits
 from octomarch.render import render
 from octomarch.scene import Scene
+from octomarch.scenefile import load
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
+from octomarch.shot import Shot
 from octomarch.skies import ConstantSky, CustomSky, EnvironmentMap, GradientSky, Sky
 from octomarch.solids import (
     capped_cone,
@@ -96,6 +98,7 @@ __all__ = [
     "SceneError",
     "Shading",
     "Shape",
+    "Shot",
     "Sky",
     "SpotLight",
     "Status",
@@ -139,6 +142,7 @@ __all__ = [
     "iteration_colors",
     "length",
     "link",
+    "load",
     "log",
     "maximum",
     "metaballs",

@@ -7,7 +7,6 @@ cut from one box.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 from octomarch.camera import Camera
 from octomarch.lights import DirectionalLight, PointLight
@@ -16,33 +15,16 @@ from octomarch.materials import Material
 from octomarch.primitives import box, cylinder, plane, sphere
 from octomarch.scene import Scene
 from octomarch.shapes import Shape
+from octomarch.shot import Shot
 from octomarch.skies import Sky
 
+_SIZE = (960, 540)
+# Floors have no end, and plain sphere tracing needs ever more steps towards the horizon: a ray that skims a floor at
+# height h covers at most 256 h in its 256 steps. So the march ends before the steps do, and the horizon is even.
 _MARCH = March(max_distance=1000.0)
 
 
-@dataclass(frozen=True)
-class Demo:
-    """A scene, the camera to see it with, and how far to march.
-
-    Floors have no end, and plain sphere tracing needs ever more steps towards the horizon: a ray that skims a floor at
-    height h covers at most 256 h in its 256 steps. So the march ends before the steps do, and the horizon is even.
-
-    Examples
-    --------
-    >>> import octomarch as om
-    >>> from octomarch.demo import DEMOS
-    >>> demo = DEMOS["blend"]()
-    >>> om.render(demo.scene, demo.camera, size=(32, 18), march=demo.march).size
-    (32, 18)
-    """
-
-    scene: Scene
-    camera: Camera
-    march: March = _MARCH
-
-
-def blend() -> Demo:
+def blend() -> Shot:
     """Return a sphere and a box blended, united, intersected and subtracted, side by side on a floor.
 
     Examples
@@ -69,10 +51,10 @@ def blend() -> Demo:
             PointLight(position=(9, 5, 8), color=(16, 20, 26)),
         ],
     )
-    return Demo(scene, Camera(eye=(2.5, 3.2, 13.5), target=(0, -0.2, 0), fov=30))
+    return Shot(scene, Camera(eye=(2.5, 3.2, 13.5), target=(0, -0.2, 0), fov=30), _SIZE, march=_MARCH)
 
 
-def building() -> Demo:
+def building() -> Shot:
     """Return a tower hollowed by repeated windows and one shaft, on a floor.
 
     Examples
@@ -90,7 +72,7 @@ def building() -> Demo:
         ambient=(0.20, 0.20, 0.21),
         lights=[DirectionalLight(direction=(-1.0, -1.1, -0.45), color=(1.0, 0.90, 0.74))],
     )
-    return Demo(scene, Camera(eye=(11, 5, 14.5), target=(0, -0.4, 0), fov=42))
+    return Shot(scene, Camera(eye=(11, 5, 14.5), target=(0, -0.4, 0), fov=42), _SIZE, march=_MARCH)
 
 
-DEMOS: dict[str, Callable[[], Demo]] = {"blend": blend, "building": building}
+DEMOS: dict[str, Callable[[], Shot]] = {"blend": blend, "building": building}

@@ -126,6 +126,35 @@ def read_exr(path: str | os.PathLike[str], *, verify: bool = True) -> Image:
     return Image(arrays, stats=document.get("stats"), metadata=document.get("metadata"))
 
 
+def read_metadata(path: str) -> dict[str, Any]:
+    """Return the metadata of an image in a file, without its pixels.
+
+    Raises
+    ------
+    OSError
+        As `read_exr` does.
+
+    Examples
+    --------
+    >>> import octomarch as om, pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = pathlib.Path(folder, "ball.exr")
+    ...     om.render(om.sphere(1.0), size=(32, 24)).save(path)
+    ...     read_metadata(str(path))["camera"]["fov"]
+    35.0
+    """
+    import OpenEXR
+
+    read_layout(path)
+    try:
+        with OpenEXR.File(path, header_only=True) as file:
+            header = dict(file.header())
+    except (RuntimeError, ValueError, TypeError, MemoryError) as error:
+        raise OSError(f"{path}: damaged EXR file: it cannot be decoded ({error})") from error
+    metadata: dict[str, Any] = _document(path, header).get("metadata", {})
+    return metadata
+
+
 def _read(path: str, layout: Layout) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
     """Return header and channels, once all channels that the header lists are found to have come back whole."""
     import OpenEXR
@@ -148,7 +177,7 @@ def _document(path: str, header: Mapping[str, Any]) -> dict[str, Any]:
     text = header.get(_ATTRIBUTE, "{}")
     try:
         document = json.loads(text)
-    except (ValueError, TypeError) as error:
+    except (ValueError, TypeError, RecursionError) as error:
         raise OSError(f"{path}: damaged EXR file: the attribute {_ATTRIBUTE!r} is no JSON ({error})") from error
     if not isinstance(document, dict) or not all(
         isinstance(document.get(key, {}), dict) for key in ("metadata", "stats", "crc32")

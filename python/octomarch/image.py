@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from octomarch import _validate as check
 from octomarch import colormaps, png
+from octomarch._files import atomic
 from octomarch.planes import PLANES, PlaneName
 from octomarch.queries import Floats
 
@@ -184,7 +185,9 @@ class Image:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Save as OpenEXR (all planes and how they were made) or PNG (the colours), by the suffix of `path`.
 
-        The file appears whole or not at all: an interrupted or failed save leaves what was there before.
+        Both hold the scene, the camera and the settings, where they are not too large: `octomarch.load` and
+        `Shot.load` find them there. The file appears whole or not at all: an interrupted or failed save leaves what was
+        there before.
 
         Parameters
         ----------
@@ -212,7 +215,10 @@ class Image:
 
             write_exr(path, self)
         elif suffix == ".png":
-            png.write_png(path, self.color)
+            document = self.metadata.get("document")
+            data = png.png_bytes(self.to_srgb(), document if isinstance(document, str) else None)
+            with atomic(path) as temporary:
+                temporary.write_bytes(data)
         else:
             raise ValueError(f"path must end in .exr or .png, got {check.shown(os.fspath(path))}")
 

@@ -188,9 +188,7 @@ class March:
             step = 1e-3 * program.size
         if max_steps is None:
             max_steps = _PLAIN_STEPS if step is None else _steps_to_pass(max_distance - self.min_distance, step)
-        return replace(
-            self, method=method, epsilon=epsilon, max_distance=max_distance, step=step, max_steps=max_steps
-        )
+        return replace(self, method=method, epsilon=epsilon, max_distance=max_distance, step=step, max_steps=max_steps)
 
     def _native(self) -> _core.March:
         """Convert settings that `resolve` has filled."""

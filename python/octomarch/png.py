@@ -1,12 +1,14 @@
 """sRGB and PNG: how linear colours become bytes that screens show, and how such bytes become linear again.
 
-`image` and `_pixels` build on it; colours are linear everywhere else.
+`image`, `_pixels` and `scenefile` build on it; colours are linear everywhere else.
 """
 
 from __future__ import annotations
 
 import io
 import os
+import struct
+import zlib
 from typing import Any
 
 import numpy as np
@@ -14,6 +16,8 @@ from numpy.typing import NDArray
 
 from octomarch import _validate as check
 from octomarch._files import atomic
+
+_KEYWORD = "octomarch"
 
 
 def write_png(path: str | os.PathLike[str], colors: NDArray[Any]) -> None:
@@ -53,16 +57,38 @@ def write_png(path: str | os.PathLike[str], colors: NDArray[Any]) -> None:
         temporary.write_bytes(data)
 
 
-def png_bytes(colors: NDArray[np.uint8]) -> bytes:
-    """Return a PNG file of sRGB bytes, shape (height, width, 3) or (height, width)."""
+def png_bytes(colors: NDArray[np.uint8], text: str | None = None) -> bytes:
+    """Return a PNG file of sRGB bytes, shape (height, width, 3) or (height, width), with a text compressed in it."""
     import PIL.Image  # here, since it takes longer to import than all the rest
     import PIL.PngImagePlugin
 
     chunks = PIL.PngImagePlugin.PngInfo()
     chunks.add(b"sRGB", b"\0")  # perceptual intent: tells viewers which curve these bytes follow
+    if text is not None:
+        chunks.add_itxt(_KEYWORD, text, zip=True)
     buffer = io.BytesIO()
     PIL.Image.fromarray(np.ascontiguousarray(colors)).save(buffer, format="PNG", pnginfo=chunks)
     return buffer.getvalue()
+
+
+def read_text(path: str) -> str | None:
+    """Return the text that `png_bytes` put into a file, None where there is none.
+
+    Raises
+    ------
+    OSError
+        Naming the path, if the file cannot be opened or is damaged.
+    """
+    import PIL.Image
+
+    errors = (SyntaxError, ValueError, EOFError, struct.error, zlib.error, PIL.Image.DecompressionBombError)
+    try:
+        with PIL.Image.open(path, formats=("PNG",)) as image:
+            return image.info.get(_KEYWORD)  # texts stand before the pixels
+    except FileNotFoundError:
+        raise
+    except (OSError, *errors) as error:
+        raise OSError(f"{path}: damaged picture: it cannot be decoded ({error})") from error
 
 
 def levels(linear: NDArray[Any]) -> NDArray[np.uint8]:

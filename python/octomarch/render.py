@@ -147,6 +147,7 @@ def render(
             "march": _fields(march),
             "shading": _fields(shading),
             "render": settings,
+            "document": _document(scene, camera, march=march, shading=shading, **settings),
         },
     )
 
@@ -193,9 +194,18 @@ def _reporting(progress: bool | Progress | None) -> Iterator[Progress | None]:
         raise TypeError(f"progress must be True, a callable or None, got {check.shown(progress)}")
 
 
+def _document(*arguments: Any, **settings: Any) -> str | None:
+    """Return how to make the picture again as a scene file's text, where that is not too long."""
+    from octomarch.scenefile import text_for_picture  # here, since both build on this module
+    from octomarch.shot import Shot
+
+    return text_for_picture(Shot(*arguments, **settings))
+
+
 def _description(scene: Scene, program: Program) -> dict[str, Any]:
     """Return what a scene is, as plain data and not too long."""
-    small = program.instructions + program.attribute_instructions <= _LISTED_AT_MOST
+    small = program.instructions <= _LISTED_AT_MOST  # asked first: the second program is compiled when it is looked at
+    small = small and program.instructions + program.attribute_instructions <= _LISTED_AT_MOST
     return {
         "listing": str(program) if small else f"{program.instructions} instructions, not listed",
         "materials": [_fields(material) for material in program.materials] if small else [],

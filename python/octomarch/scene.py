@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -60,6 +61,38 @@ class Scene:
             if not isinstance(light, (DirectionalLight, PointLight, SpotLight)):
                 raise TypeError(f"lights must be lights such as om.PointLight, got {check.shown(light)}")
         check.set_fields(self, shape=shape, sky=sky, ambient=check.color("ambient", ambient), lights=tuple(sources))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Save as a scene file, for `octomarch.load` and the command ``octomarch render``.
+
+        JSON that says all that the scene is made of, bit for bit, each part once; it appears whole or not at all. To
+        keep a camera and settings along with it, save a `Shot`.
+
+        Parameters
+        ----------
+        path : str or path-like
+            Ends in ``.json``; a file that is there is replaced.
+
+        Raises
+        ------
+        ValueError
+            If the suffix is another.
+        OSError
+            If the file cannot be written.
+
+        Examples
+        --------
+        >>> import octomarch as om, pathlib, tempfile
+        >>> scene = om.Scene(om.sphere(1.0), lights=[om.PointLight((2, 5, 2), 30)])
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     path = pathlib.Path(folder, "scene.json")
+        ...     scene.save(path)
+        ...     om.load(path).lights == scene.lights
+        True
+        """
+        from octomarch.scenefile import write  # here, since scenefile builds on this module
+
+        write(path, self)
 
     def _native(self) -> _core.Scene:
         return _core.Scene([light._native() for light in self.lights], self.sky._native(), self.ambient)
