@@ -198,6 +198,14 @@ def test_values_are_refused_by_place_and_value(path: tuple[Any, ...], value: Any
     assert re.match(message, refusal(document))
 
 
+def test_narrow_twists_cut_their_content():
+    """A file may give a twist a smaller radius than its content's: that is a cut like any other."""
+    for kind in ("twist", "bend"):
+        shape = parsed(json.dumps(setter(kind, "radius", 0.3))).scene.shape
+        distances = shape.distance(POINTS + [33, 0, 0], precision="float64")
+        assert np.allclose(distances, om.reference.distance(shape, POINTS + [33, 0, 0]), rtol=0, atol=1e-12)
+
+
 def test_missing_fields_are_named():
     del (document := copy.deepcopy(WHOLE))["content"]["camera"]["eye"]
     assert refusal(document) == "content.camera.eye is missing"

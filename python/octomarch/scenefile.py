@@ -9,6 +9,7 @@ from __future__ import annotations
 import copyreg
 import json
 import os
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Never
@@ -174,8 +175,8 @@ def parsed(data: str | bytes) -> Any:
 def _unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
     result = dict(pairs)
     if len(result) < len(pairs):
-        twice = next(key for i, (key, _) in enumerate(pairs) if key in dict(pairs[:i]))
-        raise ValueError(f"{check.shown(twice)} stands twice in one object, {check.shown(result)}")
+        counts = Counter(key for key, _ in pairs)
+        raise ValueError(f"{check.shown(max(counts, key=counts.__getitem__))} stands twice in one object")
     return result
 
 
