@@ -16,8 +16,10 @@ template <class Real>
 std::vector<Real> neighbours() {
   std::vector<Real> offsets;
   for (int i = 0; i < 27; ++i) {
-    const Vec3 offset{static_cast<double>(i / 9 - 1), static_cast<double>(i / 3 % 3 - 1),
-                      static_cast<double>(i % 3 - 1)};
+    const int x = i / 9 - 1;
+    const int y = i / 3 % 3 - 1;
+    const int z = i % 3 - 1;
+    const Vec3 offset{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
     if (offset == Vec3{}) continue;
     const Vec3 unit = normalized(offset);
     for (const double component : {unit.x, unit.y, unit.z}) offsets.push_back(static_cast<Real>(component));
