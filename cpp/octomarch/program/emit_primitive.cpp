@@ -100,7 +100,7 @@ ValueId emit_cone(const Node& node, const Placement& placement, DataFlow& flow) 
   const std::array<ValueId, 3> axes = own_axes(placement, flow);
   std::vector<double> constants;
   for (std::size_t i = 0; i < 3; ++i) {
-    if (profile[i] == profile[i + 1]) continue;
+    if (!are_apart(profile[i], profile[i + 1])) continue;
     const PolygonEdge edge(profile[i], profile[i + 1]);
     constants.insert(constants.end(), edge.constants.begin(), edge.constants.end());
   }

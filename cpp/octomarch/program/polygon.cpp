@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace octomarch {
 namespace {
@@ -13,9 +14,9 @@ std::vector<Point2> corners_of(std::span<const double> coordinates, double scale
   std::vector<Point2> corners;
   for (std::size_t i = 0; i + 1 < coordinates.size(); i += 2) {
     const Point2 corner{coordinates[i] * scale, coordinates[i + 1] * scale};
-    if (corners.empty() || corner != corners.back()) corners.push_back(corner);
+    if (corners.empty() || are_apart(corner, corners.back())) corners.push_back(corner);
   }
-  while (corners.size() > 1 && corners.front() == corners.back()) corners.pop_back();
+  while (corners.size() > 1 && !are_apart(corners.front(), corners.back())) corners.pop_back();
   double twice_area = 0.0;
   for (std::size_t i = 1; i + 1 < corners.size(); ++i) twice_area += cross(corners[0], corners[i], corners[i + 1]);
   if (twice_area < 0.0) std::reverse(corners.begin(), corners.end());
@@ -23,6 +24,11 @@ std::vector<Point2> corners_of(std::span<const double> coordinates, double scale
 }
 
 }  // namespace
+
+bool are_apart(Point2 a, Point2 b) {
+  const double distance = std::hypot(b.x - a.x, b.y - a.y);
+  return distance >= std::numeric_limits<double>::min();
+}
 
 PolygonEdge::PolygonEdge(Point2 a, Point2 b) {
   const double dx = b.x - a.x;

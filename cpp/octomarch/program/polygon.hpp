@@ -10,10 +10,12 @@ namespace octomarch {
 struct Point2 {
   double x;
   double y;
-  friend bool operator==(const Point2&, const Point2&) = default;
 };
 
-/// From a to b ≠ a, counter-clockwise round the inside.
+/// Are two points far enough apart for their distance to have an inverse?
+bool are_apart(Point2 a, Point2 b);
+
+/// From a to b, counter-clockwise round the inside. Contract: they are apart.
 struct PolygonEdge {
   std::array<double, 9> constants;
   PolygonEdge(Point2 a, Point2 b);
