@@ -353,6 +353,19 @@ def test_settings_left_open_follow_from_the_scene():
     assert om.render(om.box(1.0), CAMERA, (4, 4), march=om.March(min_distance=1e3)).color.shape == (4, 4, 3)
 
 
+@pytest.mark.parametrize("size", [1e-320, 1e-300, 1e300, 1.7e308])
+def test_settings_are_numbers_however_large_the_scene(size: float):
+    x, _, _ = om.coordinates()
+    shapes = [om.box(size), om.box(1.0).translate(size, 0, 0) | om.plane((0, 1, 0)), om.box(size) & om.solid(x < 1)]
+    for shape in [*shapes, om.metaballs(om.box(1.0), om.sphere(1.0), k=size)]:
+        program = om.compile(shape)
+        for method in ("plain", "fixed"):
+            march = om.March(method).resolve(program, (size, -size, 0))
+            assert np.isfinite([march.epsilon, march.max_distance, march.max_steps, march.step or 1]).all()
+        assert program.focus is None or np.isfinite(program.focus).all()
+        assert np.isfinite(om.Shading().resolve(program).occlusion_distance)
+
+
 def test_metadata_hold_the_settings():
     march = om.March("fixed", bias=0.5, min_distance=0.25)
     found = om.render(om.sphere(1.0), CAMERA, (4, 4), march=march).metadata["march"]

@@ -185,7 +185,7 @@ class March:
             max_distance = _reach(program, check.points("origins", origins).reshape(-1, 3))
             max_distance = max(max_distance, math.nextafter(self.min_distance, math.inf))
         if step is None and method == "fixed":
-            step = 1e-3 * program.size
+            step = max(1e-3 * program.size, sys.float_info.min)
         if max_steps is None:
             max_steps = _PLAIN_STEPS if step is None else _steps_to_pass(max_distance - self.min_distance, step)
         return replace(self, method=method, epsilon=epsilon, max_distance=max_distance, step=step, max_steps=max_steps)
@@ -212,9 +212,10 @@ def _steps_to_pass(distance: float, step: float) -> int:
 
     A step is eight units in the last place of t at the least, of which an addition may lose half of one.
     """
-    return int(min(math.ceil(16 / 15 * distance / step) + 2, 2**31 - 1))
+    return min(math.ceil(min(16 / 15 * distance / step, 2**31)) + 2, 2**31 - 1)
 
 
+@np.errstate(over="ignore")  # what lies too far for a number is as far as numbers go
 def _reach(program: Program, origins: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> float:
     """Return how far rays from `origins`, and shadow rays from what they hit, may have to go.
 

@@ -6,6 +6,7 @@ Nodes come before it (`shapes`); the compiler itself is native (cpp/octomarch/pr
 from __future__ import annotations
 
 import math
+import sys
 from typing import TYPE_CHECKING
 
 from octomarch import _core
@@ -65,7 +66,7 @@ class Program:
         """Diagonal of the focus in scene units; 1 when there is none or it is a single point."""
         if self.focus is None:
             return 1.0
-        return math.dist(*self.focus) or 1.0
+        return min(math.dist(*self.focus) or 1.0, sys.float_info.max)
 
     @property
     def is_solid(self) -> bool:

@@ -31,7 +31,8 @@ Program::Program(NodePtr root) : root_(std::move(root)) {
   lipschitz_ = whole.lipschitz;
   bounds_ = {whole.level.lo, whole.level.hi};
   if (whole.focus) focus_ = Aabb{whole.focus->lo, whole.focus->hi};
-  if (focus_ && is_empty(*focus_)) focus_.reset();
+  // what is too large for a number is as good as unbounded
+  if (focus_ && (is_empty(*focus_) || !is_finite(focus_->lo) || !is_finite(focus_->hi))) focus_.reset();
 }
 
 const Attributes& Program::attributes() const {
