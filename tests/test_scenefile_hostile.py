@@ -364,7 +364,7 @@ def mutants(draw: st.DrawFn) -> Any:
                 inner.insert(path[-1], copy.deepcopy(inner[path[-1]]))
             else:
                 inner[draw(st.sampled_from(["kind", "k", "radius", "color", "x"]))] = inner.pop(path[-1])
-        except (KeyError, IndexError, TypeError):
+        except (AttributeError, KeyError, IndexError, TypeError):
             continue  # what an earlier mutation took away
     return document
 
