@@ -111,9 +111,9 @@ CASES = {
     "tan": Case(om.tan, mpmath.tan, angles, 2.5),
     "asin": Case(om.asin, mpmath.asin, cosines, 1.25),
     "acos": Case(om.acos, mpmath.acos, cosines, 1.25),
-    "atan": Case(om.atan, mpmath.atan, slopes, 0.9),
+    "atan": Case(om.atan, mpmath.atan, slopes, 1.0),
     "atan2": Case(om.atan2, mpmath.atan2, points_of_the_plane, 1.0),
-    "power": Case(om.power, mpmath.power, powers, 1.25),
+    "power": Case(om.power, mpmath.power, powers, 1.5),
 }
 
 
