@@ -42,6 +42,10 @@ values: NDArray[np.floating] = x.evaluate([[1, 2, 3]])
 
 scene = om.Scene(shape.paint(red), sky=om.Sky(base=0.5), ambient=(0.1, 0.1, 0.2), lights=lights())
 assert_type(scene.ambient, tuple[float, float, float])
+spot = om.SpotLight((0, 4, 0), target=(1, 0, 0), color=(40, 30, 20), angle=50)
+for sky in (om.ConstantSky(0), om.GradientSky([(0, 0.5), (90, (0, 0, 1))]), om.EnvironmentMap(np.ones((2, 4, 3)))):
+    scene = om.Scene(shape, sky=sky, lights=[spot, *lights()])
+scene = om.Scene(shape, sky=om.CustomSky((x, y, 0.5)))
 
 distances: NDArray[np.floating] = shape.distance(np.zeros((4, 3)), precision="float32")
 hits = shape.raycast([0, 0, 9], [[0, 0, -1]], march=om.March(max_steps=64), t_max=50, planes=("t", "status"))
@@ -55,7 +59,9 @@ def report(done: int, total: int) -> None:
 
 camera = om.Camera(eye=(3, 2, 4), target=(0, 0, 0), fov=45)
 names = ["color", "depth", "material_id"]
-image = om.render(scene, camera, size=(64, 48), shading=om.Shading(shadows="hard"), planes=names)
+image = om.render(
+    scene, camera, size=(64, 48), shading=om.Shading("tetrahedron", shadows="hard", bounces=2), planes=names
+)
 image = om.render(
     shape, om.OrthographicCamera((0, 0, 9), (0, 0, 0)), (64, 48), progress=report, threads=1, isa="scalar"
 )
