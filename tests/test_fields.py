@@ -46,12 +46,12 @@ BOUNDS = {
 
 @pytest.mark.parametrize("name", BOUNDS)
 def test_bounds_cut_the_shape(name: str, isa: str, precision: str):
-    """Beyond the box the field goes on from its nearest point, and the distance to the box holds it up."""
+    """Beyond the box the field goes on from its nearest point, and nine times the distance to the box holds it up."""
     lo, hi = BOUNDS[name]
     points = representable(POINTS, precision)
     shape = om.field(X * X + Y - 0.25 * Z, lipschitz=9, bounds=(lo, hi))
     x, y, z = np.clip(points, lo, hi).T
-    expected = np.maximum(x * x + y - 0.25 * z, box_distance(points, lo, hi))
+    expected = np.maximum(x * x + y - 0.25 * z, 9 * box_distance(points, lo, hi))
     found = shape.distance(points, precision=precision, isa=isa)
     # a few roundings of squares of coordinates
     tolerance = 8 * unit_roundoff(precision) * (1 + np.linalg.norm(points, axis=1)) ** 2
@@ -60,6 +60,15 @@ def test_bounds_cut_the_shape(name: str, isa: str, precision: str):
     program = om.compile(shape)
     assert np.array_equal(program.bounds, np.array([lo, hi], float))
     assert program.lipschitz == 9
+
+
+def test_steep_fields_cost_no_steps_outside_of_their_bounds(isa: str):
+    """A ray that passes the box at some distance takes no more steps than the box alone would ask for."""
+    steep = om.field(100 * (om.length(X, Y, Z) - 0.5), lipschitz=100, bounds=UNIT)
+    passing = np.array([[1.5, 0, 9], [0, 2, 9], [-3, 1.2, 9]])
+    hits = [shape.raycast(passing, [0, 0, -1], t_max=20, isa=isa) for shape in (steep, om.box(2.0))]
+    assert_array_equal(hits[0].status, om.Status.MISS)
+    assert (hits[0].steps <= hits[1].steps).all()
 
 
 def test_fields_are_shapes_like_others(isa: str):

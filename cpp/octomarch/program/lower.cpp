@@ -1,5 +1,6 @@
 #include "octomarch/program/lower.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -217,8 +218,9 @@ class Lowering {
     return flow_.emit(Opcode::kMultiply, {{value, flow_.constant(scale)}});
   }
 
-  /// The user's own field; where it has bounds, points are held in them and the shape is cut there. In this order a NaN
-  /// of the field is kept.
+  /// The user's own field. Where it has bounds, points are held in them and the shape is cut there, by the larger, which
+  /// keeps a NaN of the field. The box's distance counts as steeply as the field may, so that dividing by the Lipschitz
+  /// bound leaves steps from outside as they are.
   ValueId lower_field(const Node& node, const Placement& placement) {
     const auto p = node.parameters();
     Coordinates coordinates = own_coordinates(placement, flow_);
@@ -232,7 +234,8 @@ class Lowering {
     }
     const ValueId value = expressions_.lower(node.child(0), inside, flow_);
     if (inside == coordinates) return scaled(value, placement.scale);
-    return scaled(flow_.emit(Opcode::kIntersection, {{emit_bounds(p, coordinates), value}}), placement.scale);
+    const ValueId box = scaled(emit_bounds(p, coordinates), std::max(p[0], 1.0));
+    return scaled(flow_.emit(Opcode::kIntersection, {{box, value}}), placement.scale);
   }
 
   /// Exact distance of the box of a kField node, of which only the bounded axes count.

@@ -2,6 +2,7 @@
 // primitives come before it; the evaluator calls it at the leaves of the node graph.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 #include "octomarch/reference/expression.hpp"
@@ -20,6 +21,7 @@ Sample<T> solid_sample(Expression<T>& truth, const Vector<T>& p) {
 }
 
 /// A kField: the expression at the point of the box that is nearest to p, and cut to the box, on those axes that have bounds.
+/// The box's distance is taken as many times as the field's slope may exceed 1.
 template <class T>
 Sample<T> field_sample(const Node& node, Expression<T>& expression, const Vector<T>& p) {
   const Vector<T> lo = vector_parameter<T>(node, 1);
@@ -34,7 +36,8 @@ Sample<T> field_sample(const Node& node, Expression<T>& expression, const Vector
     excess[axis] = upper ? p[axis] - hi[axis] : lo[axis] - p[axis];
     slopes[axis] = upper ? T(1) : T(-1);
   }
-  cut(sample, {box_distance(excess), slopes * box_gradient(excess)});
+  const T steepness = std::max(T(node.parameter(0)), T(1));
+  cut(sample, {steepness * box_distance(excess), steepness * slopes * box_gradient(excess)});
   return sample;
 }
 
