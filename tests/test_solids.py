@@ -12,8 +12,8 @@ BALL = om.solid(INSIDE) & om.box(2.5)
 CAMERA = om.Camera((2, 1.5, 3), (0, 0, 0))
 SIZE = (40, 30)
 MARCH = om.March(step=0.01, method="fixed")
-COARSE = np.degrees(np.arccos(1 / np.sqrt(3)))
-"""Degrees between the corner of a cube and an axis, the widest gap between neighbours' directions."""
+COARSE = 12.5
+"""Degrees that a normal may be off: 12.2 is the worst that a lattice of 256 points gives for 20,000 half-spaces."""
 PLANES = ("depth", "position", "normal", "status", "object_id", "color")
 
 
@@ -37,7 +37,7 @@ def test_solids_are_found_where_their_condition_begins(isa: str, precision: str)
     assert np.abs(depth[~grazing]).max() < MARCH.step / 500
     off = np.degrees(np.arccos(np.clip((solid.normal * ball.normal).sum(-1)[both], -1, 1)))
     assert off.max() < COARSE
-    assert np.median(off) < 10
+    assert np.median(off) < 4
 
 
 def test_normals_of_a_half_space_are_across_it(isa: str, precision: str):
@@ -59,7 +59,7 @@ def test_solids_cost_their_neighbours_and_no_occlusion(isa: str):
     scene = om.Scene(BALL, lights=[om.DirectionalLight((-1, -2, -1))], ambient=0.5)
     image = om.render(scene, CAMERA, SIZE, planes=PLANES, march=MARCH, isa=isa)
     hits = (image.status == om.Status.HIT).sum()
-    assert image.stats["gradient_evaluations"] == 26 * hits
+    assert image.stats["gradient_evaluations"] == 256 * hits
     assert image.stats["occlusion_evaluations"] == 0
 
 

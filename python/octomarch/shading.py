@@ -21,7 +21,7 @@ class Shading:
     ----------
     normals : {"exact", "central", "tetrahedron"}
         By forward differentiation through the program; by central differences of six evaluations; by four of them, at
-        the corners of a tetrahedron [1]_. What was built by `octomarch.solid` has no differences: there the 26
+        the corners of a tetrahedron [1]_. What was built by `octomarch.solid` has no differences: there 256
         neighbours of a point in a lattice tell where inside is.
     normal_step : float, optional
         How far from the point differences sample along each axis, and how far its neighbours are, in scene units, > 0.

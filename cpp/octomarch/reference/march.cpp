@@ -54,15 +54,17 @@ Vector<T> tetrahedron_differences(Evaluator<T>& field, const Vector<T>& p, T ste
   return {(a - b) + (d - c), (c - a) + (d - b), (b - a) + (d - c)};
 }
 
-/// Minus the sum of unit vectors towards those corners, edges and faces of a cube around p that are inside.
+/// Minus the sum of those offsets that end inside, over the points of a lattice in a ball of radius `step` around p, which is
+/// four cells wide on each side. Offsets count in that radius.
 template <class T>
 Vector<T> away_from_inside(Evaluator<T>& field, const Vector<T>& p, T step) {
   Vector<T> sum(0);
-  for (int x = -1; x <= 1; ++x) {
-    for (int y = -1; y <= 1; ++y) {
-      for (int z = -1; z <= 1; ++z) {
-        const Vector<T> direction = direction_of(Vector<T>(T(x), T(y), T(z)));
-        if (direction != Vector<T>(0) && field.distance(p + direction * step) < T(0)) sum -= direction;
+  for (int x = -4; x <= 4; ++x) {
+    for (int y = -4; y <= 4; ++y) {
+      for (int z = -4; z <= 4; ++z) {
+        const Vector<T> offset = Vector<T>(T(x), T(y), T(z)) * T(0.25);
+        const T distance = glm::length(offset);
+        if (distance > T(0) && distance <= T(1) && field.distance(p + offset * step) < T(0)) sum -= offset;
       }
     }
   }

@@ -82,7 +82,7 @@ template <class T>
 Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits);
 
 /// How normals are found; see Shading. `step`: of differences. A field that has no slope, since some part of it is solid,
-/// has the normal that leads away from its inside among 26 points around, `step` away, whatever the kind.
+/// has the normal that leads away from its inside among 256 points around, up to `step` away, whatever the kind.
 template <class T>
 struct NormalRule {
   Normals kind;

@@ -11,18 +11,20 @@ std::vector<Real> stencil(Normals normals) {
   return {1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1, 0, 0, 0, 1, 0, 0, -1};
 }
 
-/// Unit directions to the 26 neighbours of a point in a lattice, x in the outermost loop.
+/// The 256 neighbours of a point in a lattice that lie within four of its cells, as parts of that reach, x in the outermost
+/// loop: how many of them are inside, and where, tells the normal of a solid to a few degrees.
 template <class Real>
 std::vector<Real> neighbours() {
+  constexpr int kReach = 4;
   std::vector<Real> offsets;
-  for (int i = 0; i < 27; ++i) {
-    const int x = i / 9 - 1;
-    const int y = i / 3 % 3 - 1;
-    const int z = i % 3 - 1;
-    const Vec3 offset{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
-    if (offset == Vec3{}) continue;
-    const Vec3 unit = normalized(offset);
-    for (const double component : {unit.x, unit.y, unit.z}) offsets.push_back(static_cast<Real>(component));
+  for (int x = -kReach; x <= kReach; ++x) {
+    for (int y = -kReach; y <= kReach; ++y) {
+      for (int z = -kReach; z <= kReach; ++z) {
+        const int square = x * x + y * y + z * z;
+        if (square == 0 || square > kReach * kReach) continue;
+        for (const int component : {x, y, z}) offsets.push_back(static_cast<Real>(component) / Real(kReach));
+      }
+    }
   }
   return offsets;
 }
