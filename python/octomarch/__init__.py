@@ -11,6 +11,7 @@ Shapes are built by functions and operators, compiled to a flat program and marc
 from octomarch import reference
 from octomarch._core import SceneError
 from octomarch.camera import Camera, OrthographicCamera, PanoramicCamera
+from octomarch.choices import equal, mix, smoothstep, where
 from octomarch.colormaps import colormap, iteration_colors
 from octomarch.expressions import Expression, coordinates, normals
 from octomarch.exr import read_exr, write_exr
@@ -26,31 +27,26 @@ from octomarch.functions import (
     clamp,
     cos,
     dot,
-    equal,
     exp,
     floor,
     fract,
-    fractal_noise,
     length,
     log,
     maximum,
     minimum,
-    mix,
     mod,
-    noise,
     power,
     sign,
     sin,
-    smoothstep,
     sqrt,
     tan,
-    where,
 )
 from octomarch.image import Image
 from octomarch.lights import DirectionalLight, PointLight, SpotLight
 from octomarch.machine import build_info, isas
 from octomarch.march import March, Status
 from octomarch.materials import Material
+from octomarch.noises import fractal_noise, noise
 from octomarch.operators import difference, intersection, metaballs, union
 from octomarch.png import write_png
 from octomarch.primitives import box, capsule, cylinder, plane, rounded_box, sphere, torus

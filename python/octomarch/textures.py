@@ -16,8 +16,10 @@ from octomarch import _core
 from octomarch import _validate as check
 from octomarch._pixels import Picture, pixels
 from octomarch._validate import AxisLike, Precision
+from octomarch.choices import mix, smoothstep, where
 from octomarch.expressions import Expression, ExpressionLike, coordinates, normals, operand
-from octomarch.functions import absolute, atan2, clamp, floor, fractal_noise, length, mix, mod, smoothstep, where
+from octomarch.functions import absolute, atan2, clamp, floor, length, mod
+from octomarch.noises import fractal_noise
 
 Colorful: TypeAlias = "Texture | Sequence[ExpressionLike] | NDArray[Any]"
 ColorExpression: TypeAlias = "ExpressionLike | Colorful"
