@@ -3,7 +3,7 @@
 import numpy as np
 import PIL.Image
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from numpy.testing import assert_allclose, assert_array_equal
 
@@ -93,6 +93,7 @@ def test_what_is_not_finite_is_grey():
     vmin=st.none() | st.floats(allow_nan=False, allow_infinity=False),
     vmax=st.none() | st.floats(allow_nan=False, allow_infinity=False),
 )
+@example(values=[2.0**1023], vmin=-0.5, vmax=0.0)  # a share of the way beyond all numbers
 def test_any_numbers_have_colours(values: list[float], vmin: float | None, vmax: float | None):
     if vmin is not None and vmax is not None and vmin >= vmax:
         return
