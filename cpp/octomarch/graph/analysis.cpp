@@ -34,42 +34,27 @@ unsigned translated_symmetry(unsigned symmetry, const Node& node) {
   return mirrors;
 }
 
-/// `lowering`: by how much a blend lowers the smaller operand at the most.
-FieldFacts union_facts(double lowering, const std::vector<const FieldFacts*>& operands) {
-  FieldFacts facts = *operands[0];
-  for (std::size_t i = 1; i < operands.size(); ++i) {
-    const FieldFacts& other = *operands[i];
-    // both sets at the level by which a blend lowers hold the blended one
-    facts.level = grown(hull(facts.level, other.level), lowering);
-    if (facts.focus && other.focus) {
-      facts.focus = grown(hull(*facts.focus, *other.focus), lowering);
-    } else if (other.focus) {
-      facts.focus = other.focus;
-    }
-    facts.lipschitz = std::max(facts.lipschitz, other.lipschitz);
-    facts.symmetry &= other.symmetry;
+/// Facts of a union so far, and of its next operand. `lowering`: by how much a blend lowers the smaller at the most.
+void unite(FieldFacts& facts, const FieldFacts& other, double lowering) {
+  // both sets at the level by which a blend lowers hold the blended one
+  facts.level = grown(hull(facts.level, other.level), lowering);
+  if (facts.focus && other.focus) {
+    facts.focus = grown(hull(*facts.focus, *other.focus), lowering);
+  } else if (other.focus) {
+    facts.focus = other.focus;
   }
-  return facts;
 }
 
-FieldFacts intersection_facts(const std::vector<const FieldFacts*>& operands) {
-  FieldFacts facts = *operands[0];
-  for (std::size_t i = 1; i < operands.size(); ++i) {
-    facts.level = overlap(facts.level, operands[i]->level);
-    facts.lipschitz = std::max(facts.lipschitz, operands[i]->lipschitz);
-    facts.symmetry &= operands[i]->symmetry;
+/// Takes another operand of a union, intersection or difference into the facts of those before it.
+void fold(const Node& node, FieldFacts& facts, const FieldFacts& other) {
+  switch (node.kind()) {
+    case NodeKind::kUnion: unite(facts, other, node.parameter(0) / 4.0); break;
+    case NodeKind::kMetaballs: unite(facts, other, node.parameter(0) * std::numbers::ln2); break;
+    case NodeKind::kIntersection: facts.level = overlap(facts.level, other.level); break;
+    default: break;  // a difference lies where its first operand does
   }
-  facts.focus = is_bounded(facts.level) ? std::optional(facts.level) : std::nullopt;
-  return facts;
-}
-
-FieldFacts difference_facts(const std::vector<const FieldFacts*>& operands) {
-  FieldFacts facts = *operands[0];
-  for (std::size_t i = 1; i < operands.size(); ++i) {
-    facts.lipschitz = std::max(facts.lipschitz, operands[i]->lipschitz);
-    facts.symmetry &= operands[i]->symmetry;
-  }
-  return facts;
+  facts.lipschitz = std::max(facts.lipschitz, other.lipschitz);
+  facts.symmetry &= other.symmetry;
 }
 
 /// Facts of a node with one child: its boxes carried along, its symmetry given.
@@ -160,41 +145,62 @@ FieldFacts point_facts(const Node& node, const FieldFacts& child) {
   }
 }
 
-FieldFacts facts_of(const Node& node, const std::vector<const FieldFacts*>& children) {
-  if (children.empty()) return primitive_facts(node);
-  switch (node.kind()) {
-    case NodeKind::kUnion: return union_facts(node.parameter(0) / 4.0, children);
-    case NodeKind::kMetaballs: return union_facts(node.parameter(0) * std::numbers::ln2, children);
-    case NodeKind::kIntersection: return intersection_facts(children);
-    case NodeKind::kDifference: return difference_facts(children);
-    default: return point_facts(node, *children[0]);
+/// A node whose operands so far are folded into `facts`.
+struct Visit {
+  const Node* node;
+  bool is_remembered;
+  std::size_t next = 0;  ///< of the node's children
+  std::size_t operands = 0;
+  FieldFacts facts{};
+
+  /// The next child that is a shape, or null.
+  const NodePtr* next_shape() {
+    const std::span<const NodePtr> children = node->children();
+    while (next < children.size() && !is_shape(children[next]->kind())) ++next;
+    return next < children.size() ? &children[next++] : nullptr;
   }
-}
+
+  void take(const FieldFacts& operand) {
+    if (operands++ == 0) facts = operand;
+    else fold(*node, facts, operand);
+  }
+
+  FieldFacts finished() const {
+    if (operands == 0) return primitive_facts(*node);
+    switch (node->kind()) {
+      case NodeKind::kUnion:
+      case NodeKind::kMetaballs:
+      case NodeKind::kDifference: return facts;
+      case NodeKind::kIntersection: {
+        FieldFacts whole = facts;
+        whole.focus = is_bounded(facts.level) ? std::optional(facts.level) : std::nullopt;
+        return whole;
+      }
+      default: return point_facts(*node, facts);
+    }
+  }
+};
 
 }  // namespace
 
 FactTable analyse(const Node& root) {
-  FactTable facts;
-  std::vector<std::pair<const Node*, bool>> stack{{&root, false}};
-  std::vector<const FieldFacts*> children;
+  FactTable table;
+  std::vector<Visit> stack{{&root, true}};
   while (!stack.empty()) {
-    const auto [node, children_done] = stack.back();
-    stack.pop_back();
-    if (facts.contains(node)) continue;
-    if (!children_done) {
-      stack.emplace_back(node, true);
-      for (const NodePtr& child : node->children()) {
-        if (is_shape(child->kind())) stack.emplace_back(child.get(), false);
-      }
+    Visit& visit = stack.back();
+    if (const NodePtr* const child = visit.next_shape()) {
+      const bool is_remembered = !has_one_owner(*child) || visit.node->kind() == NodeKind::kRepeat;
+      const auto known = is_remembered ? table.find(child->get()) : table.end();
+      if (known != table.end()) visit.take(known->second);
+      else stack.push_back({child->get(), is_remembered});
       continue;
     }
-    children.clear();
-    for (const NodePtr& child : node->children()) {
-      if (is_shape(child->kind())) children.push_back(&facts.at(child.get()));
-    }
-    facts.emplace(node, facts_of(*node, children));
+    const FieldFacts facts = visit.finished();
+    if (visit.is_remembered) table.emplace(visit.node, facts);
+    stack.pop_back();
+    if (!stack.empty()) stack.back().take(facts);
   }
-  return facts;
+  return table;
 }
 
 bool is_signed_permutation(const Mat3& rotation) {

@@ -30,7 +30,8 @@ struct FieldFacts {
   unsigned symmetry = 0;
 };
 
-/// Facts of every node reachable from a root. O(nodes + children), constant stack.
+/// Facts of a root, of what its repeats copy, and of every shape below it that has several owners. O(nodes + children),
+/// constant stack.
 using FactTable = std::unordered_map<const Node*, FieldFacts>;
 FactTable analyse(const Node& root);
 

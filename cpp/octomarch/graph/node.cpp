@@ -4,10 +4,12 @@
 
 #include <algorithm>
 #include <bit>
+#include <iterator>
 #include <mutex>
-#include <unordered_map>
 #include <unordered_set>
 #include <utility>
+
+#include "octomarch/base/hash_table.hpp"
 
 namespace octomarch {
 namespace {
@@ -63,7 +65,7 @@ bool stays_flat(NodeKind kind, std::span<const double> p) {
 
 }  // namespace
 
-/// The table of living nodes, and the deleter that takes them out of it.
+/// The table of living nodes.
 class Interner {
  public:
   /// Never destroyed: nodes held by static objects may outlive any static table.
@@ -79,84 +81,82 @@ class Interner {
       const std::lock_guard lock(mutex_);
       if (NodePtr existing = find(key, kind, parameters, children, texels)) return existing;
     }
-    // Made outside the lock: should anything here throw, the deleter runs, and it takes the lock.
-    NodePtr fresh(new Node(kind, std::move(parameters), std::move(children), std::move(texels)), release);
+    // Made outside the lock: should anything here throw, the destructor runs, and it takes the lock.
+    const auto fresh = std::make_shared<Node>(key, kind, std::move(parameters), std::move(children), std::move(texels));
     const std::lock_guard lock(mutex_);
     if (NodePtr existing = find(key, kind, fresh->parameters(), fresh->children(), fresh->texels())) {
       return existing;
     }
-    table_.emplace(key, Entry{fresh.get(), fresh});
+    table_.insert(key, fresh.get());
     return fresh;
   }
 
- private:
-  struct Entry {
-    const Node* node;
-    std::weak_ptr<const Node> owner;
-  };
+  void forget(const Node* node) {
+    const std::lock_guard lock(mutex_);
+    table_.erase(node->hash_, [node](const Node* other) { return other == node; });
+  }
 
+ private:
   /// Contract: the lock is held. A node stays readable while it is in the table, even when its last owner is gone and
-  /// its deleter waits for the lock; then it cannot be revived and a new node takes its place beside it.
+  /// its destructor waits for the lock; then it cannot be revived and a new node takes its place beside it.
   NodePtr find(std::uint64_t key, NodeKind kind, std::span<const double> parameters, std::span<const NodePtr> children,
                std::span<const float> texels) const {
-    const auto [first, last] = table_.equal_range(key);
-    for (auto entry = first; entry != last; ++entry) {
-      const Node& node = *entry->second.node;
-      if (node.kind() != kind ||
-          !std::ranges::equal(node.parameters(), parameters, [](double a, double b) { return same_bits(a, b); }) ||
-          !std::ranges::equal(node.children(), children) ||
-          !std::ranges::equal(node.texels(), texels, [](float a, float b) { return same_bits(a, b); })) {
-        continue;
+    NodePtr alive;
+    table_.find(key, [&](Node* node) {
+      if (node->kind() != kind ||
+          !std::ranges::equal(node->parameters(), parameters, [](double a, double b) { return same_bits(a, b); }) ||
+          !std::ranges::equal(node->children(), children) ||
+          !std::ranges::equal(node->texels(), texels, [](float a, float b) { return same_bits(a, b); })) {
+        return false;
       }
-      if (NodePtr alive = entry->second.owner.lock()) return alive;
-    }
-    return nullptr;
-  }
-
-  void forget(const Node* node) {
-    const std::uint64_t key = hash(node->kind(), node->parameters(), node->children(), node->texels());
-    const std::lock_guard lock(mutex_);
-    const auto [first, last] = table_.equal_range(key);
-    const auto entry = std::find_if(first, last, [node](const auto& item) { return item.second.node == node; });
-    if (entry != last) table_.erase(entry);
-  }
-
-  /// Deleter of every node. The outermost call on a thread owns the work list; the calls that come out of dropping
-  /// children only append to it, so the stack stays flat however deep the graph is.
-  static void release(Node* node) {
-    thread_local std::vector<Node*>* pending = nullptr;
-    instance().forget(node);
-    if (pending != nullptr) {
-      pending->push_back(node);
-      return;
-    }
-    std::vector<Node*> work{node};
-    pending = &work;
-    while (!work.empty()) {
-      Node* const next = work.back();
-      work.pop_back();
-      const std::vector<NodePtr> children = std::move(next->children_);
-      delete next;
-    }
-    pending = nullptr;
+      alive = node->weak_from_this().lock();
+      return alive != nullptr;
+    });
+    return alive;
   }
 
   std::mutex mutex_;
-  std::unordered_multimap<std::uint64_t, Entry> table_;
+  /// Not of const nodes: their weak_from_this() converts, and owns the node meanwhile, perhaps as the last.
+  HashTable<Node*> table_;
 };
 
-Node::Node(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children, std::vector<float> texels)
-    : kind_(kind), parameters_(std::move(parameters)), children_(std::move(children)), texels_(std::move(texels)) {
+Node::Node(std::uint64_t hash, NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children,
+           std::vector<float> texels)
+    : hash_(hash),
+      kind_(kind),
+      parameters_(std::move(parameters)),
+      children_(std::move(children)),
+      texels_(std::move(texels)) {
   const auto any = [this](const auto& is_so) {
     return std::ranges::any_of(children_, [&](const NodePtr& child) { return is_so(*child); });
   };
   const double coordinate = kind == NodeKind::kCoordinate ? parameters_[0] : 0.0;
   uses_z_ = coordinate == 2.0 || any([](const Node& child) { return child.uses_z_; });
   uses_normal_ = coordinate >= 3.0 || any([](const Node& child) { return child.uses_normal_; });
+  has_solid_ = kind == NodeKind::kSolid || any([](const Node& child) { return child.has_solid_; });
   const bool is_painted = kind == NodeKind::kPaint;  // whatever its colours do, the field stays as it is
   is_flat_ = stays_flat(kind, parameters_) && !any([is_painted](const Node& child) {
                return is_shape(child.kind_) ? !child.is_flat_ : child.uses_z_ && !is_painted;
              });
+}
+
+/// The outermost destructor on a thread owns the work list; those that come out of dropping children only append to it, so
+/// the stack stays flat however deep the graph is.
+Node::~Node() {
+  thread_local std::vector<NodePtr>* pending = nullptr;
+  Interner::instance().forget(this);
+  if (children_.empty()) return;
+  if (pending != nullptr) {
+    std::ranges::move(children_, std::back_inserter(*pending));
+    return;
+  }
+  std::vector<NodePtr> work = std::move(children_);
+  pending = &work;
+  while (!work.empty()) {
+    const NodePtr next = std::move(work.back());
+    work.pop_back();
+  }
+  pending = nullptr;
 }
 
 NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children,
@@ -165,23 +165,19 @@ NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePt
   return Interner::instance().intern(kind, std::move(parameters), std::move(children), std::move(texels));
 }
 
-bool any_node(const Node& root, const std::function<bool(const Node&)>& visit) {
-  std::unordered_set<const Node*> seen{&root};
-  std::vector<const Node*> work{&root};
+std::size_t count_nodes(const NodePtr& root) {
+  if (!root) return 0;
+  std::size_t count = 0;
+  std::unordered_set<const Node*> seen;
+  std::vector<const Node*> work{root.get()};
   while (!work.empty()) {
     const Node* const node = work.back();
     work.pop_back();
-    if (visit(*node)) return true;
+    ++count;
     for (const NodePtr& child : node->children()) {
-      if (seen.insert(child.get()).second) work.push_back(child.get());
+      if (has_one_owner(child) || seen.insert(child.get()).second) work.push_back(child.get());
     }
   }
-  return false;
-}
-
-std::size_t count_nodes(const NodePtr& root) {
-  std::size_t count = 0;
-  if (root) any_node(*root, [&](const Node&) { return ++count, false; });
   return count;
 }
 

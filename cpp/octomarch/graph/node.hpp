@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <memory>
 #include <span>
 #include <vector>
@@ -28,11 +27,14 @@ using NodePtr = std::shared_ptr<const Node>;
 
 /// One immutable node. Two nodes with equal kind, parameters, children and texels are the same object (see intern()), so
 /// pointer equality is structural equality. Destruction of a graph of any depth uses constant stack.
-class Node {
+class Node : public std::enable_shared_from_this<Node> {
  public:
-  Node(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children, std::vector<float> texels);
+  /// For intern() alone; `hash`: of all the rest.
+  Node(std::uint64_t hash, NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children,
+       std::vector<float> texels);
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
+  ~Node();
 
   NodeKind kind() const { return kind_; }
   std::span<const double> parameters() const { return parameters_; }
@@ -45,14 +47,18 @@ class Node {
   /// Shapes: is the field the same at every z? Such are the flat primitives, and what is made of them without leaving
   /// the plane.
   bool is_flat() const { return is_flat_; }
+  /// Is a part of it known by no more than its inside (kSolid)?
+  bool has_solid() const { return has_solid_; }
   /// Expressions: is z of the point among what it is made of; is the surface's normal?
   bool uses_z() const { return uses_z_; }
   bool uses_normal() const { return uses_normal_; }
 
  private:
   friend class Interner;
+  std::uint64_t hash_;
   NodeKind kind_;
   bool is_flat_ = false;
+  bool has_solid_ = false;
   bool uses_z_ = false;
   bool uses_normal_ = false;
   std::vector<double> parameters_;
@@ -65,11 +71,12 @@ class Node {
 NodePtr intern(NodeKind kind, std::vector<double> parameters, std::vector<NodePtr> children,
                std::vector<float> texels = {});
 
+/// Is its parent the only one that holds a child? Then no other way leads there, and a walk that comes to the parent once
+/// need not remember the child. False also where somebody outside of the graph holds it.
+inline bool has_one_owner(const NodePtr& child) { return child.use_count() == 1; }
+
 /// Distinct nodes reachable from `root`. O(nodes), constant stack.
 std::size_t count_nodes(const NodePtr& root);
-
-/// Calls `visit` once for each distinct node reachable from `root` until it returns true; did it? Constant stack.
-bool any_node(const Node& root, const std::function<bool(const Node&)>& visit);
 
 /// Repetition along one axis: the cell of coordinate p is the copy whose centre is nearest, copies standing at
 /// (i − (count−1)/2)·period for i in [0, count), or at all whole multiples when count = 0. Three constants describe it:

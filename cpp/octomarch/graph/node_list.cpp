@@ -18,21 +18,23 @@ constexpr double kAsGoodAs = 1.0 - 1e-9;
 
 std::vector<NodePtr> children_first(std::span<const NodePtr> roots) {
   std::vector<NodePtr> order;
-  std::unordered_set<const Node*> known;
-  std::vector<std::pair<NodePtr, bool>> stack;
+  std::unordered_set<const Node*> known;  // of those that are held more than once
+  std::vector<std::pair<const NodePtr*, bool>> stack;
   for (const NodePtr& root : roots) {
-    stack.emplace_back(root, false);
+    stack.emplace_back(&root, false);
     while (!stack.empty()) {
       const auto [node, children_done] = stack.back();
       stack.pop_back();
-      if (known.contains(node.get())) continue;
+      const bool is_met_once = has_one_owner(*node);
+      if (!is_met_once && known.contains(node->get())) continue;
       if (children_done) {
-        known.insert(node.get());
-        order.push_back(node);
+        if (!is_met_once) known.insert(node->get());
+        order.push_back(*node);
         continue;
       }
       stack.emplace_back(node, true);
-      for (std::size_t i = node->children().size(); i-- > 0;) stack.emplace_back(node->children()[i], false);
+      const std::span<const NodePtr> children = (*node)->children();
+      for (std::size_t i = children.size(); i-- > 0;) stack.emplace_back(&children[i], false);
     }
   }
   return order;

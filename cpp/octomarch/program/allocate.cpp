@@ -54,14 +54,14 @@ std::vector<std::uint32_t> schedule(const DataFlow& flow, std::span<const ValueI
     if (seen[index] != 0) continue;
     seen[index] = 1;
     stack.emplace_back(index, true);
-    std::vector<std::uint32_t> operands;
-    for (const ValueId value : flow.inputs(flow.operations()[index])) {
-      if (value >= flow.input_count()) operands.push_back(flow.owner(value));
-    }
     // the stack returns the last first: ascending needs put the neediest on top, and of equals the first operand
-    std::reverse(operands.begin(), operands.end());
-    std::stable_sort(operands.begin(), operands.end(), [&](auto a, auto b) { return needs[a] < needs[b]; });
-    for (const std::uint32_t operand : operands) stack.emplace_back(operand, false);
+    const std::size_t first = stack.size();
+    for (const ValueId value : flow.inputs(flow.operations()[index])) {
+      if (value < flow.input_count()) continue;
+      std::size_t place = first;
+      while (place < stack.size() && needs[stack[place].first] < needs[flow.owner(value)]) ++place;
+      stack.emplace(stack.begin() + static_cast<std::ptrdiff_t>(place), flow.owner(value), false);
+    }
   }
   return order;
 }

@@ -6,9 +6,9 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <unordered_map>
 #include <vector>
 
+#include "octomarch/base/hash_table.hpp"
 #include "octomarch/graph/node.hpp"
 #include "octomarch/program/instruction.hpp"
 
@@ -72,7 +72,7 @@ class DataFlow {
   std::vector<double> constants_;
   std::vector<NodePtr> images_;
   std::vector<std::uint32_t> owner_;
-  std::unordered_multimap<std::uint64_t, std::uint32_t> by_content_;
+  HashTable<std::uint32_t> by_content_;  ///< indices of operations, plus 1
 };
 
 }  // namespace octomarch

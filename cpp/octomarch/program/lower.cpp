@@ -53,6 +53,27 @@ Operators operators_of(NodeKind kind) {
 /// A shape that is made of no other.
 bool is_leaf(const Node& node) { return node.children().empty() || !is_shape(node.child(0).kind()); }
 
+/// A shape that is emitted as soon as it is looked up: emission finds what it has emitted before all the same.
+bool is_one_instruction(const Node& node) { return node.children().empty() && node.kind() != NodeKind::kPolygon; }
+
+/// Do nodes of this kind, standing at different places, place their child at different ones (up to rounding)?
+bool keeps_places_apart(NodeKind kind) {
+  switch (kind) {
+    case NodeKind::kUnion:
+    case NodeKind::kIntersection:
+    case NodeKind::kDifference:
+    case NodeKind::kMetaballs:
+    case NodeKind::kComplement:
+    case NodeKind::kRound:
+    case NodeKind::kShell:
+    case NodeKind::kDisplace:
+    case NodeKind::kTranslate:
+    case NodeKind::kRotate:
+    case NodeKind::kScale: return true;
+    default: return false;
+  }
+}
+
 /// Walks the graph with a stack of its own, since graphs may be deeper than the machine's.
 class Lowering {
  public:
@@ -62,7 +83,8 @@ class Lowering {
   Lowered run(const Node& root) {
     Placement world;
     if (what_ == LoweringOf::kSurface) world.normal = {3, 4, 5};
-    enter(root, intern(world));
+    placements_.push_back(world);
+    enter(root, 0, true);
     while (!stack_.empty()) step();
     Lowered lowered;
     lowered.distance = last_.distance;
@@ -75,91 +97,99 @@ class Lowering {
   }
 
  private:
-  using PlacementId = std::uint32_t;
+  /// Index into placements_.
+  using PlacementId = std::size_t;
 
   /// A node being lowered: children done so far are folded into `folded`.
   struct Visit {
     const Node* node;
     PlacementId placement;
-    std::vector<PlacementId> branches;  ///< placements of the one child; empty: every child at `placement`
+    bool is_remembered;
+    PlacementId branches;      ///< the first of its one shape's placements, which end placements_ while that is lowered
+    std::size_t branch_count;  ///< 0: every child stands at `placement`
     std::size_t done = 0;
-    Result folded;
+    Result folded{};
 
-    std::size_t count() const { return branches.empty() ? node->children().size() : branches.size(); }
+    std::size_t count() const { return branch_count == 0 ? node->children().size() : branch_count; }
   };
 
-  PlacementId intern(const Placement& placement) {
-    const auto [entry, is_new] = placement_ids_.try_emplace(placement, static_cast<PlacementId>(placements_.size()));
-    if (is_new) placements_.push_back(placement);
-    return entry->second;
-  }
-
-  /// Begins a node, or takes what it has become before at this placement.
-  void enter(const Node& node, PlacementId placement) {
-    if (const auto known = results_.find({&node, placement}); known != results_.end()) {
-      last_ = known->second;
+  /// Begins a node, or takes what it has become before at this placement, where that could be.
+  void enter(const Node& node, PlacementId placement, bool has_one_way) {
+    if (is_one_instruction(node)) {
+      last_ = lower_primitive(node, placements_[placement]);
       return;
     }
+    if (!has_one_way) {
+      if (const auto known = results_.find({&node, placements_[placement]}); known != results_.end()) {
+        last_ = known->second;
+        return;
+      }
+    }
     if (is_leaf(node)) {
-      last_ = lower_primitive(node, Placement(placements_[placement]));
-      results_.emplace(std::pair(&node, placement), last_);
+      last_ = lower_primitive(node, placements_[placement]);
+      if (!has_one_way) results_.emplace(std::pair(&node, placements_[placement]), last_);
       return;
     }
     pending_ = true;
-    stack_.push_back({&node, placement, branches_of(node, placements_[placement]), 0, {}});
+    const PlacementId branches = placements_.size();
+    add_branches(node, placement);
+    stack_.push_back({&node, placement, !has_one_way, branches, placements_.size() - branches});
   }
 
   /// Placements at which the one shape among a node's children is wanted; none where there are several.
-  std::vector<PlacementId> branches_of(const Node& node, const Placement& placement) {
+  void add_branches(const Node& node, PlacementId id) {
+    const Placement placement = placements_[id];
     switch (node.kind()) {
       case NodeKind::kUnion:
       case NodeKind::kIntersection:
       case NodeKind::kDifference:
-      case NodeKind::kMetaballs: return {};
+      case NodeKind::kMetaballs: break;
       case NodeKind::kTranslate:
       case NodeKind::kRotate:
-      case NodeKind::kScale: return {intern(child_placement(placement, node))};
+      case NodeKind::kScale: placements_.push_back(child_placement(placement, node)); break;
       case NodeKind::kStretch:
       case NodeKind::kMirror:
       case NodeKind::kElongate:
       case NodeKind::kTwist:
       case NodeKind::kBend:
       case NodeKind::kRevolve:
-      case NodeKind::kExtrude: return {intern(bent_placement(Placement(placement), node, flow_))};
-      case NodeKind::kPaint: {
-        if (what_ == LoweringOf::kDistance) return {intern(placement)};
-        Placement painted = placement;
-        painted.material = paint_index(node, Placement(placement));
-        return {intern(painted)};
-      }
+      case NodeKind::kExtrude: placements_.push_back(bent_placement(placement, node, flow_)); break;
+      case NodeKind::kPaint:
+        placements_.push_back(placement);
+        if (what_ != LoweringOf::kDistance) placements_.back().material = paint_index(node, placement);
+        break;
       case NodeKind::kRepeat: {
-        std::vector<PlacementId> branches;
         const unsigned symmetry = facts_.at(&node.child(0)).symmetry;
-        for (const Placement& cell : repeat_placements(Placement(placement), node, symmetry, flow_)) {
-          branches.push_back(intern(cell));
-        }
-        return branches;
+        const std::vector<Placement> cells = repeat_placements(placement, node, symmetry, flow_);
+        placements_.insert(placements_.end(), cells.begin(), cells.end());
+        break;
       }
-      default: return {intern(placement)};
+      default: placements_.push_back(placement); break;
     }
   }
 
   /// Lowers the next child of the node on top of the stack, or ends that node.
   void step() {
-    Visit& visit = stack_.back();
-    if (visit.done == visit.count()) {
-      last_ = visit.folded;
-      last_.distance = finish(*visit.node, Placement(placements_[visit.placement]), last_.distance);
-      results_.emplace(std::pair(visit.node, visit.placement), last_);
-      stack_.pop_back();
-      if (!stack_.empty()) fold(stack_.back());
-      return;
-    }
-    const bool several = visit.branches.empty();
-    const Node& child = several ? visit.node->child(visit.done) : visit.node->child(0);
+    const Visit& visit = stack_.back();
+    if (visit.done == visit.count()) return end();
+    const bool several = visit.branch_count == 0;
+    const NodePtr& child = visit.node->children()[several ? visit.done : 0];
+    // nodes with several owners, and below nodes that bring different places together, come here by several ways
+    const bool has_one_way = has_one_owner(child) && keeps_places_apart(visit.node->kind());
     pending_ = false;
-    enter(child, several ? visit.placement : visit.branches[visit.done]);
+    enter(*child, several ? visit.placement : visit.branches + visit.done, has_one_way);
     if (!pending_) fold(stack_.back());
+  }
+
+  /// Ends the node on top of the stack, all of whose children are done.
+  void end() {
+    const Visit& visit = stack_.back();
+    last_ = visit.folded;
+    last_.distance = finish(*visit.node, placements_[visit.placement], last_.distance);
+    if (visit.is_remembered) results_.emplace(std::pair(visit.node, placements_[visit.placement]), last_);
+    placements_.resize(visit.branches);
+    stack_.pop_back();
+    if (!stack_.empty()) fold(stack_.back());
   }
 
   /// Takes the child's result into its parent, from the left.
@@ -263,22 +293,24 @@ class Lowering {
     Result result;
     result.distance = lower_distance(node, placement);
     if (what_ == LoweringOf::kDistance) return result;
-    const Paint& paint = paints_[static_cast<std::size_t>(placement.material >= 0 ? placement.material : unpainted())];
+    Paint& paint = paints_[static_cast<std::size_t>(placement.material >= 0 ? placement.material : unpainted())];
     if (what_ == LoweringOf::kSurface) {
       result.slots = paint.slots;
       return result;
     }
-    const std::int32_t material = material_index(paint.content);
+    if (paint.material < 0) paint.material = material_index(paint.content);
     const auto id = static_cast<double>(objects_.size());
-    const auto [entry, is_new] = object_ids_.try_emplace({result.distance, material}, id);
-    if (is_new) objects_.push_back({node.kind(), material});
+    const std::uint64_t key = std::uint64_t{result.distance} << 32U | static_cast<std::uint32_t>(paint.material);
+    const auto [entry, is_new] = object_ids_.try_emplace(key, id);
+    if (is_new) objects_.push_back({node.kind(), paint.material});
     result.object = flow_.emit(Opcode::kConstant, {}, {{entry->second}});
     return result;
   }
 
   struct Paint {
     Material content;
-    Slots slots;  ///< surface only
+    Slots slots;                 ///< surface only
+    std::int32_t material = -1;  ///< attributes only, once a primitive shows it
   };
 
   /// Paints are numbered as the walk meets them, materials as primitives show them.
@@ -312,10 +344,10 @@ class Lowering {
     return entry->second;
   }
 
-  struct VisitHash {
-    std::size_t operator()(const std::pair<const Node*, PlacementId>& key) const noexcept {
-      std::uint64_t hash = std::hash<const Node*>()(key.first);
-      mix(hash, key.second);
+  struct PlacedHash {
+    std::size_t operator()(const std::pair<const Node*, Placement>& key) const noexcept {
+      std::uint64_t hash = PlacementHash()(key.second);
+      mix(hash, reinterpret_cast<std::uintptr_t>(key.first));
       return hash;
     }
   };
@@ -324,15 +356,14 @@ class Lowering {
   LoweringOf what_;
   DataFlow flow_;
   ExpressionLowering expressions_;
-  std::vector<Placement> placements_;
-  std::unordered_map<Placement, PlacementId, PlacementHash> placement_ids_;
-  std::unordered_map<std::pair<const Node*, PlacementId>, Result, VisitHash> results_;
+  std::vector<Placement> placements_;  ///< of the nodes on the stack
+  std::unordered_map<std::pair<const Node*, Placement>, Result, PlacedHash> results_;
   std::vector<Visit> stack_;
   Result last_;           ///< of the node that ended last
   bool pending_ = false;  ///< enter() began a node that has yet to end
   std::vector<Object> objects_;
   std::vector<Material> materials_;
-  std::map<std::pair<ValueId, std::int32_t>, double> object_ids_;
+  std::unordered_map<std::uint64_t, double> object_ids_;  ///< of a distance (high word) and a material
   std::map<std::array<NodePtr, Material::kSlots>, std::int32_t> material_ids_;
   std::vector<Paint> paints_;
   std::map<std::pair<std::array<NodePtr, Material::kSlots>, Slots>, std::int32_t> paint_ids_;

@@ -26,7 +26,7 @@ Program::Program(NodePtr root) : root_(std::move(root)) {
   const FactTable facts = analyse(*root_);
   const Lowered lowered = lower(*root_, facts, LoweringOf::kDistance);
   distance_ = allocate(lowered.flow, {&lowered.distance, 1});
-  is_solid_ = any_node(*root_, [](const Node& node) { return node.kind() == NodeKind::kSolid; });
+  is_solid_ = root_->has_solid();
   const FieldFacts& whole = facts.at(root_.get());
   lipschitz_ = whole.lipschitz;
   bounds_ = {whole.level.lo, whole.level.hi};

@@ -141,13 +141,11 @@ ValueId DataFlow::share(Opcode op, const std::array<ValueId, kMaxInputs>& in, st
   for (const ValueId value : in) mix(hash, value);
   for (const double constant : constants) mix(hash, std::bit_cast<std::uint64_t>(constant));
 
-  const auto [begin, end] = by_content_.equal_range(hash);
-  for (auto candidate = begin; candidate != end; ++candidate) {
-    const Operation& existing = operations_[candidate->second];
-    if (existing.op == op && existing.in == in && same_bits(constants, constants_.data() + existing.constants)) {
-      return existing.first_output;
-    }
-  }
+  const std::uint32_t found = by_content_.find(hash, [&](std::uint32_t number) {
+    const Operation& existing = operations_[number - 1];
+    return existing.op == op && existing.in == in && same_bits(constants, constants_.data() + existing.constants);
+  });
+  if (found != 0) return operations_[found - 1].first_output;
 
   if (operations_.size() == kMaxOperations) {
     throw SceneError(
@@ -158,7 +156,7 @@ ValueId DataFlow::share(Opcode op, const std::array<ValueId, kMaxInputs>& in, st
   operations_.push_back({op, in, static_cast<std::uint32_t>(constants_.size()), first_output});
   constants_.insert(constants_.end(), constants.begin(), constants.end());
   owner_.insert(owner_.end(), info(op).outputs, index);
-  by_content_.emplace(hash, index);
+  by_content_.insert(hash, index + 1);
   return first_output;
 }
 

@@ -47,7 +47,7 @@ template <class T>
 Evaluator<T>::Evaluator(NodePtr root, Poll poll)
     : root_(std::move(root)),
       poll_(std::move(poll)),
-      is_solid_(any_node(*root_, [](const Node& node) { return node.kind() == NodeKind::kSolid; })),
+      is_solid_(root_->has_solid()),
       table_(collect_materials(*root_)),
       shared_(shared_nodes(*root_)) {}
 
