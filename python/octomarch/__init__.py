@@ -44,6 +44,7 @@ from octomarch.functions import (
 from octomarch.image import Image
 from octomarch.lights import DirectionalLight, PointLight, SpotLight
 from octomarch.machine import build_info, isas
+from octomarch.many import boxes, capsules, spheres
 from octomarch.march import March, Status
 from octomarch.materials import Material
 from octomarch.noises import fractal_noise, noise
@@ -106,9 +107,11 @@ __all__ = [
     "atan",
     "atan2",
     "box",
+    "boxes",
     "build_info",
     "capped_cone",
     "capsule",
+    "capsules",
     "ceil",
     "checker",
     "circle",
@@ -166,6 +169,7 @@ __all__ = [
     "smoothstep",
     "solid",
     "sphere",
+    "spheres",
     "sqrt",
     "star",
     "stripes",

@@ -11,6 +11,7 @@ from collections.abc import Sequence
 from typing import Any, Self, TypeAlias, overload
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from octomarch import _core
 from octomarch import _validate as check
@@ -96,6 +97,48 @@ class Placement(Field):
         3.0
         """
         return self._made(_core.scale(self._node, check.number("factor", factor)))
+
+    def instances(self, matrices: ArrayLike, smooth: float = 0.0) -> Self:
+        """Return the union of copies of the shape, each placed by a matrix.
+
+        The copies share the shape. Each is scaled, turned and moved, in this order, as by `scale`, `rotate` and
+        `translate`.
+
+        Parameters
+        ----------
+        matrices : array_like of float, shape (n, 3, 4) or (n, 4, 4)
+            At least one, ``world_from_shape``: a point p of the shape comes to ``matrix[:3, :3] @ p + matrix[:3, 3]``.
+            The first three columns must be a rotation R times one factor > 0, up to 1e-5 in the entries of
+            ``R.T @ R``; the nearest rotation and the mean factor are taken. A quarter turn or a factor of 1 that is
+            off by a few roundings of the numbers given is set right. The last row of (4, 4) is (0, 0, 0, 1).
+        smooth : float
+            Blend distance k ≥ 0; see `union`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is of a wrong type or shape, or a matrix not finite or no such motion: the message names the
+            first of them.
+
+        See Also
+        --------
+        spheres, boxes, capsules : Many primitives from arrays.
+        repeat : Copies on a regular grid, at the cost of one or two.
+
+        Examples
+        --------
+        >>> import numpy as np
+        >>> import octomarch as om
+        >>> turn = np.linspace(0, 2 * np.pi, 12, endpoint=False)
+        >>> matrices = np.tile(np.eye(4), (12, 1, 1))
+        >>> matrices[:, 0, 0] = matrices[:, 2, 2] = np.cos(turn)
+        >>> matrices[:, 0, 2], matrices[:, 2, 0] = np.sin(turn), -np.sin(turn)
+        >>> dial = om.box((1, 0.2, 0.2), center=(3, 0, 0)).instances(matrices)
+        >>> dial.distance([[0, 0, 4], [-4, 0, 0]]).round(6).tolist()
+        [0.5, 0.5]
+        """
+        rows, rounding = check.matrices("matrices", matrices)
+        return self._made(_core.instances(self._node, rows, rounding, check.number("smooth", smooth)))
 
     def mirror(self, axes: str) -> Self:
         """Return the half of the shape where a coordinate is ≥ 0, together with its mirror image.

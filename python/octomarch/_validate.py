@@ -208,15 +208,54 @@ def planes(value: object, options: Sequence[Name]) -> list[Name]:
 
 def points(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Return real numbers of shape (..., 3) as a contiguous float64 array; NaN and infinities pass."""
-    try:
-        array = np.asarray(value)
-    except ValueError as error:  # a ragged nesting
-        raise ValueError(f"{name} must have shape (..., 3), got {shown(value)}") from error
-    if array.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must be real numbers, got an array of dtype {array.dtype}")
+    array = _real_numbers(name, value, "(..., 3)")
     if array.ndim == 0 or array.shape[-1] != 3:
         raise ValueError(f"{name} must have shape (..., 3), got shape {array.shape}")
     return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def rows(name: str, value: ArrayLike) -> NDArray[np.float64]:
+    """Return real numbers of shape (n, 3), n ≥ 1, as a contiguous float64 array; NaN and infinities pass."""
+    array = _real_numbers(name, value, "(n, 3)")
+    if array.ndim != 2 or array.shape[1] != 3 or not len(array):
+        raise ValueError(f"{name} must have shape (n, 3) with n ≥ 1, got shape {array.shape}")
+    return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def spread(name: str, value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return real numbers, broadcast to `shape`, as a contiguous float64 array; NaN and infinities pass."""
+    array = _real_numbers(name, value, str(shape))
+    try:
+        return np.ascontiguousarray(np.broadcast_to(array, shape), dtype=np.float64)
+    except ValueError:
+        raise ValueError(f"{name} must broadcast to shape {shape}, got shape {array.shape}") from None
+
+
+def matrices(name: str, value: ArrayLike) -> tuple[NDArray[np.float64], float]:
+    """Return n ≥ 1 affine matrices as a contiguous float64 array (n, 3, 4), and how far they are rounded."""
+    array = _real_numbers(name, value, "(n, 3, 4) or (n, 4, 4)")
+    if array.ndim != 3 or array.shape[1:] not in ((3, 4), (4, 4)) or not len(array):
+        raise ValueError(f"{name} must have shape (n, 3, 4) or (n, 4, 4) with n ≥ 1, got shape {array.shape}")
+    last = array[:, 3:]
+    wrong = np.flatnonzero((last != (0, 0, 0, 1)).any(axis=(1, 2)))
+    if len(wrong):
+        i = int(wrong[0])
+        row = shown(tuple(last[i, 0].tolist()))
+        raise ValueError(f"{name}[{i}] must end in the row (0, 0, 0, 1), got {row}")
+    precision = array.dtype if array.dtype.kind == "f" else np.float64
+    rounding = 4 * max(float(np.finfo(precision).eps), float(np.finfo(np.float64).eps))
+    return np.ascontiguousarray(array[:, :3], dtype=np.float64), rounding
+
+
+def _real_numbers(name: str, value: ArrayLike, shape: str) -> NDArray[Any]:
+    """Return an array of real numbers; `shape` is what to say of one that is ragged."""
+    try:
+        array = np.asarray(value)
+    except ValueError as error:  # a ragged nesting
+        raise ValueError(f"{name} must have shape {shape}, got {shown(value)}") from error
+    if array.dtype.kind not in "fiu":
+        raise TypeError(f"{name} must be real numbers, got an array of dtype {array.dtype}")
+    return array
 
 
 def size(value: object) -> tuple[int, int]:

@@ -10,6 +10,7 @@ PYBIND11_MODULE(_core, module) {
   octomarch::register_node(module);
   octomarch::register_expression(module);  // before shapes, so that the signature of paint() reads Material
   octomarch::register_shape(module);
+  octomarch::register_many(module);
   octomarch::register_scene(module);
   octomarch::register_program(module);
   octomarch::register_render(module);

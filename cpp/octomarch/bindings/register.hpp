@@ -8,6 +8,7 @@ namespace octomarch {
 void register_node(pybind11::module_& module);
 void register_expression(pybind11::module_& module);
 void register_shape(pybind11::module_& module);
+void register_many(pybind11::module_& module);
 void register_scene(pybind11::module_& module);
 void register_reference(pybind11::module_& module);
 void register_program(pybind11::module_& module);

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "octomarch/graph/node.hpp"
@@ -76,6 +77,8 @@ NodePtr extrude(NodePtr shape, double height);
 NodePtr revolve(NodePtr shape, double offset);
 
 NodePtr translate(NodePtr shape, const Vec3& offset);
+/// Turned as the orthonormal, right-handed matrix turns.
+NodePtr rotate(NodePtr shape, const Mat3& parent_from_child);
 /// Right-handed turn by `degrees` about `axis` through the origin (Rodrigues). Quarter turns are exact.
 NodePtr rotate(NodePtr shape, double degrees, const Vec3& axis);
 /// `factor` > 0.
@@ -93,6 +96,19 @@ NodePtr bend(NodePtr shape, double degrees);
 /// `period` > 0 on repeated axes and 0 on the others, at least one repeated; `counts` ≥ 1, or 0 for endless.
 NodePtr repeat(NodePtr shape, const Vec3& period, const std::array<int, 3>& counts);
 NodePtr paint(NodePtr shape, const Material& material);
+
+// Many at once ---------------------------------------------------------------------------------------------------------
+// Unions of shapes whose numbers stand in arrays, one row for each, at least one: the nodes that the builders above make
+// of them one by one. Messages name the row.
+
+/// Balls. `centers`: three numbers for each of `radii`.
+NodePtr spheres(std::span<const double> centers, std::span<const double> radii, double smooth);
+/// Exact boxes. `centers`, `sizes`: three numbers for each.
+NodePtr boxes(std::span<const double> centers, std::span<const double> sizes, double smooth);
+/// `a`, `b`: three numbers for each of `radii`.
+NodePtr capsules(std::span<const double> a, std::span<const double> b, std::span<const double> radii, double smooth);
+/// Copies of `shape`, each scaled, turned and moved as a matrix says: see motion_of(). `matrices`: twelve numbers for each.
+NodePtr instances(const NodePtr& shape, std::span<const double> matrices, double rounding, double smooth);
 
 /// The material that a kPaint node carries.
 Material material_of(const Node& paint);

@@ -126,13 +126,18 @@ NodePtr translate(NodePtr shape, const Vec3& offset) {
   return intern(NodeKind::kTranslate, {offset.x, offset.y, offset.z}, {std::move(shape)});
 }
 
+NodePtr rotate(NodePtr shape, const Mat3& parent_from_child) {
+  require_shape(shape);
+  if (parent_from_child == kIdentity3) return shape;
+  return intern(NodeKind::kRotate, {parent_from_child.begin(), parent_from_child.end()}, {std::move(shape)});
+}
+
 NodePtr rotate(NodePtr shape, double degrees, const Vec3& axis) {
   require_shape(shape);
   require(std::isfinite(degrees), "degrees", "finite", text(degrees));
   require_direction(axis, "axis");
   if (std::remainder(degrees, 360.0) == 0.0) return shape;
-  const Mat3 turn = rodrigues(normalized(axis), sine_cosine(degrees));
-  return intern(NodeKind::kRotate, {turn.begin(), turn.end()}, {std::move(shape)});
+  return rotate(std::move(shape), rodrigues(normalized(axis), sine_cosine(degrees)));
 }
 
 NodePtr scale(NodePtr shape, double factor) {

@@ -25,18 +25,14 @@ Mat3 rotation_from_y(const Vec3& to) {
   return {1.0 - to.x * to.x * scale, to.x, shear, -to.x, to.y, -to.z, shear, to.z, 1.0 - to.z * to.z * scale};
 }
 
-NodePtr rotated(NodePtr shape, const Mat3& parent_from_child) {
-  return intern(NodeKind::kRotate, {parent_from_child.begin(), parent_from_child.end()}, {std::move(shape)});
-}
-
 /// `shape`, which stands along +y, turned to stand along `axis`.
 NodePtr stood_along(NodePtr shape, const Vec3& axis) {
   const Vec3 unit = normalized(axis);
   if (unit.y == 1.0) return shape;
   // the shortest rotation has no limit towards −y: there, and below, it is turned over first
-  if (unit.y >= 0.0) return rotated(std::move(shape), rotation_from_y(unit));
+  if (unit.y >= 0.0) return rotate(std::move(shape), rotation_from_y(unit));
   constexpr Mat3 kOver{1, 0, 0, 0, -1, 0, 0, 0, -1};
-  return rotated(std::move(shape), rotation_from_y(unit * -1.0) * kOver);
+  return rotate(std::move(shape), rotation_from_y(unit * -1.0) * kOver);
 }
 
 /// A primitive that is symmetric about `axis`, and under its reversal; its last parameter becomes the axis number.
@@ -49,7 +45,7 @@ NodePtr axial(NodeKind kind, std::vector<double> parameters, const Vec3& axis) {
   NodePtr shape = intern(kind, std::move(parameters), {});
   if (number) return shape;
   const double leading = unit.y != 0.0 ? unit.y : unit.x;
-  return rotated(std::move(shape), rotation_from_y(leading < 0.0 ? unit * -1.0 : unit));
+  return rotate(std::move(shape), rotation_from_y(leading < 0.0 ? unit * -1.0 : unit));
 }
 
 }  // namespace
