@@ -55,6 +55,8 @@ EDGEWISE = bar(1.0).rotate(45, "z")
 BLENDS = {
     "balls": om.sphere(1.0).union(om.sphere(1.0, center=(0.1, 0, 0)), smooth=1.0),
     "many": om.union(*(om.box(1.0, center=(x, 0, 0)) for x in (0, 0.1, 0.2, 0.3)), smooth=0.8),
+    "a heap": om.union(*(om.sphere(1.0, center=(x / 100, 0, 0)) for x in range(40)), smooth=1.0),
+    "a melted heap": om.metaballs(*(om.sphere(1.0, center=(x / 100, 0, 0)) for x in range(40)), k=0.3),
     "corners": bar(1.0).union(bar(1.01), smooth=0.5) & om.box(8.0),
     "turned corners": EDGEWISE.union(bar(1.01).rotate(45, "z"), smooth=0.5) & om.box(8.0),
     "turned twice": bar(1.0)
@@ -100,6 +102,8 @@ BOUNDS = {
     "cut floor": (om.plane() & om.box((4, 6, 4)), (-2, -3, -2), (2, 0, 2)),
     "complement": (~om.sphere(1.0), (-math.inf,) * 3, (math.inf,) * 3),
     "blend": (om.sphere(1.0).union(om.sphere(1.0), smooth=0.5), (-1.125,) * 3, (1.125,) * 3),
+    "blend of three": (om.union(*[om.sphere(1.0)] * 3, smooth=0.5), (-1.25,) * 3, (1.25,) * 3),
+    "blend of many": (om.union(*[om.sphere(1.0)] * 1000, smooth=0.5), (-1.5,) * 3, (1.5,) * 3),
     "row": (om.sphere(0.5).repeat((2, None, None), 4), (-3.5, -0.5, -0.5), (3.5, 0.5, 0.5)),
     "grid": (om.sphere(0.5).repeat((2, None, 2)), (-math.inf, -0.5, -math.inf), (math.inf, 0.5, math.inf)),
     "scaled and moved": (BOX.scale(2).translate(1, 0, 0), (0, -2, -3), (2, 2, 3)),

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "octomarch/graph/level_box.hpp"
@@ -34,22 +33,23 @@ unsigned translated_symmetry(unsigned symmetry, const Node& node) {
   return mirrors;
 }
 
-/// Facts of a union so far, and of its next operand. `lowering`: by how much a blend lowers the smaller at the most.
-void unite(FieldFacts& facts, const FieldFacts& other, double lowering) {
-  // both sets at the level by which a blend lowers hold the blended one
-  facts.level = grown(hull(facts.level, other.level), lowering);
-  if (facts.focus && other.focus) {
-    facts.focus = grown(hull(*facts.focus, *other.focus), lowering);
-  } else if (other.focus) {
-    facts.focus = other.focus;
-  }
+/// By how much the blend of `count` fields lies below the least of them at the most. The quadratic blend of two takes k/4,
+/// and what has sunk by k blends no more; the exponential one is −k·log(Σ exp(−fᵢ/k)).
+double lowering(const Node& node, std::size_t count) {
+  const double k = node.parameter(0);
+  if (node.kind() == NodeKind::kMetaballs) return k * std::log(static_cast<double>(count));
+  return k * std::min(0.25 * static_cast<double>(count - 1), 1.0);
 }
 
-/// Takes another operand of a union, intersection or difference into the facts of those before it.
+/// Takes another operand of a union, intersection or difference into the facts of those before it, which do not blend yet.
 void fold(const Node& node, FieldFacts& facts, const FieldFacts& other) {
   switch (node.kind()) {
-    case NodeKind::kUnion: unite(facts, other, node.parameter(0) / 4.0); break;
-    case NodeKind::kMetaballs: unite(facts, other, node.parameter(0) * std::numbers::ln2); break;
+    case NodeKind::kUnion:
+    case NodeKind::kMetaballs:
+      facts.level = hull(facts.level, other.level);
+      if (facts.focus && other.focus) facts.focus = hull(*facts.focus, *other.focus);
+      else if (other.focus) facts.focus = other.focus;
+      break;
     case NodeKind::kIntersection: facts.level = overlap(facts.level, other.level); break;
     default: break;  // a difference lies where its first operand does
   }
@@ -151,6 +151,7 @@ struct Visit {
   bool is_remembered;
   std::size_t next = 0;  ///< of the node's children
   std::size_t operands = 0;
+  std::size_t bounded = 0;  ///< operands that have a focus
   FieldFacts facts{};
 
   /// The next child that is a shape, or null.
@@ -161,21 +162,26 @@ struct Visit {
   }
 
   void take(const FieldFacts& operand) {
-    if (operands++ == 0) facts = operand;
+    if (operands == 0) facts = operand;
     else fold(*node, facts, operand);
+    ++operands;
+    if (operand.focus) ++bounded;
   }
 
   FieldFacts finished() const {
     if (operands == 0) return primitive_facts(*node);
+    FieldFacts whole = facts;
     switch (node->kind()) {
       case NodeKind::kUnion:
       case NodeKind::kMetaballs:
-      case NodeKind::kDifference: return facts;
-      case NodeKind::kIntersection: {
-        FieldFacts whole = facts;
+        // the operands' sets at the level by which they are lowered hold the blended one
+        whole.level = grown(facts.level, lowering(*node, operands));
+        if (facts.focus) whole.focus = grown(*facts.focus, lowering(*node, bounded));
+        return whole;
+      case NodeKind::kIntersection:
         whole.focus = is_bounded(facts.level) ? std::optional(facts.level) : std::nullopt;
         return whole;
-      }
+      case NodeKind::kDifference: return whole;
       default: return point_facts(*node, facts);
     }
   }
