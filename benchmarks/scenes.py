@@ -1,8 +1,9 @@
-"""The two scenes of the benchmark, as the engine's users write them. cpp/scenes.hpp says the same by hand."""
+"""The scenes of the benchmarks, as the engine's users write them. cpp/scenes.hpp says A and B by hand, peers/ all."""
 
 from dataclasses import dataclass
 
 import octomarch as om
+from spheres import SMOOTH, balls
 
 SIZE = (640, 480)
 MAX_STEPS = 256
@@ -19,6 +20,7 @@ class Scene:
     shape: om.Shape
     eye: tuple[float, float, float]
     fov: float = 45.0
+    max_distance: float = MAX_DISTANCE
 
     @property
     def camera(self) -> om.Camera:
@@ -39,6 +41,14 @@ def building() -> Scene:
     tower = om.box((4, 12, 4)) - windows - om.cylinder(1.2, axis="y")
     floor = om.plane(normal=(0, 1, 0), point=(0, -6, 0))
     return Scene("B", "tower minus repeated windows minus a shaft, on a floor", tower | floor, (9, 4, 12))
+
+
+def spheres(n: int = 200) -> Scene:
+    """Return scene C with n balls; it grows with n, at constant density."""
+    recipe = balls(n)
+    pairs = zip(recipe.radii.tolist(), recipe.centers.tolist(), strict=True)
+    shape = om.union(*(om.sphere(radius, center) for radius, center in pairs), smooth=SMOOTH)
+    return Scene("C", f"{n:,} balls, smoothly united", shape, recipe.eye, max_distance=recipe.max_distance)
 
 
 SCENES = {"A": blend, "B": building}
