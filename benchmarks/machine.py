@@ -67,7 +67,7 @@ def commit() -> str | None:
 
 
 def describe(module: Any) -> dict[str, Any]:
-    """Return everything about this run that is not a time."""
+    """Return everything about this run that is not a time. `module` has the marches written by hand, or is None."""
     return {
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": commit(),
@@ -78,5 +78,11 @@ def describe(module: Any) -> dict[str, Any]:
         "numpy": np.__version__,
         "octomarch": om.__version__,
         "engine_build": om.build_info(),
-        "bench_build": {"compiler": module.compiler, "flags": module.flags, "xsimd": module.xsimd},
+        "bench_build": module and {"compiler": module.compiler, "flags": module.flags, "xsimd": module.xsimd},
     }
+
+
+def result_file(description: dict[str, Any], prefix: str = "") -> Path:
+    """Return where a run is kept: its name tells what, when and on which processor."""
+    model = re.sub(r"[^a-z0-9]+", "-", description["processor"]["model"].lower()).strip("-")
+    return Path(__file__).resolve().parent / "results" / f"{prefix}{description['date'][:10]}-{model}.json"

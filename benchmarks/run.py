@@ -9,7 +9,6 @@ import argparse
 import importlib.util
 import json
 import os
-import re
 import subprocess
 import sys
 from dataclasses import asdict
@@ -73,11 +72,6 @@ def runnable(module: Any, wanted: list[str] | None) -> list[str]:
     return [isa for isa in available if not wanted or isa in wanted]
 
 
-def result_file(description: dict[str, Any]) -> Path:
-    model = re.sub(r"[^a-z0-9]+", "-", description["processor"]["model"].lower()).strip("-")
-    return HERE / "results" / f"{description['date'][:10]}-{model}.json"
-
-
 def main() -> None:
     chosen = arguments()
     module = load(chosen.module or build(chosen.build_dir))
@@ -113,7 +107,7 @@ def main() -> None:
     }
     print(f"{description['processor']['model']}, {description['engine_build']['compiler']}, {description['date']}")
     print(f"\n{report.table(rows)}\n\n{report.conclusion(verdicts)}")
-    out = chosen.out or result_file(description)
+    out = chosen.out or machine.result_file(description)
     out.parent.mkdir(parents=True, exist_ok=True)
     result = report.as_json(description, settings, rows, verdicts, milliseconds)
     out.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

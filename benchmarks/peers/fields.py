@@ -2,7 +2,7 @@
 
 `Words` names those. A field takes and returns whatever the library computes with: floats in its compiler, arrays, traced
 variables. Constants stand outside of the functions, rounded by `number`, since some compilers would take a literal for
-a double; parameters say float for those compilers that want to know.
+a double; parameters and results say float for those compilers that want to know.
 """
 
 from collections.abc import Callable
@@ -34,7 +34,7 @@ def box(words: Words, width: float, height: float, depth: float) -> Any:
     half_width, half_height, half_depth = (words.number(edge / 2) for edge in (width, height, depth))
     zero = words.number(0.0)
 
-    def box_distance(x: float, y: float, z: float) -> Any:
+    def box_distance(x: float, y: float, z: float) -> float:
         qx = absolute(x) - half_width
         qy = absolute(y) - half_height
         qz = absolute(z) - half_depth
@@ -51,7 +51,7 @@ def smooth_minimum(words: Words, k: float) -> Any:
     absolute, minimum, maximum = words.absolute, words.minimum, words.maximum
     width, factor, zero = words.number(k), words.number(1 / (4 * k)), words.number(0.0)
 
-    def smooth(a: float, b: float) -> Any:
+    def smooth(a: float, b: float) -> float:
         near = maximum(width - absolute(a - b), zero)
         return minimum(a, b) - near * near * factor
 
@@ -64,7 +64,7 @@ def blend(words: Words) -> Any:
     cube, smooth = box(words, 1.5, 1.5, 1.5), smooth_minimum(words, 0.25)
     one, right, above = words.number(1.0), words.number(0.9), words.number(0.3)
 
-    def blend_distance(x: float, y: float, z: float) -> Any:
+    def blend_distance(x: float, y: float, z: float) -> float:
         ball = sqrt(x * x + y * y + z * z) - one
         return minimum(smooth(ball, cube(x - right, y - above, z)), y + one)
 
@@ -78,7 +78,7 @@ def building(words: Words) -> Any:
     half, storey, per_storey = words.number(0.5), words.number(1.5), words.number(1 / 1.5)
     radius, ground = words.number(1.2), words.number(6.0)
 
-    def building_distance(x: float, y: float, z: float) -> Any:
+    def building_distance(x: float, y: float, z: float) -> float:
         wx = x - floor(x + half)
         wy = y - storey * floor(y * per_storey + half)
         wz = z - floor(z + half)
@@ -93,7 +93,7 @@ def with_ball(words: Words, k: float) -> Any:
     """Return a function that smoothly unites a distance with that to a ball: scene C is this, over its balls in order."""
     sqrt, smooth = words.sqrt, smooth_minimum(words, k)
 
-    def united(d: float, dx: float, dy: float, dz: float, radius: float) -> Any:
+    def united(d: float, dx: float, dy: float, dz: float, radius: float) -> float:
         return smooth(d, sqrt(dx * dx + dy * dy + dz * dz) - radius)
 
     return words.compiled(united)
