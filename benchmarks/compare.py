@@ -1,9 +1,9 @@
-"""Time octomarch against what its users could pick instead: Dr.Jit, Numba, JAX, Warp, Taichi and numpy, one thread each.
+"""Time octomarch against what its users could pick instead: Dr.Jit, Numba, JAX, Warp, Taichi, numpy; one thread each.
 
-``python benchmarks/compare.py`` (or ``make bench-peers``) makes the virtual environment of the peers in build/peers-venv,
-starts every contender in a process of its own, lets each render once per round in an order that moves on, prints a table
-and keeps everything in benchmarks/results/peers-*.json. README.md says what exactly is rendered. octomarch itself must be
-installed. tables.py comes after it.
+``python benchmarks/compare.py`` (or ``make bench-peers``) makes the virtual environment of the peers in
+build/peers-venv, starts every contender in a process of its own, lets each render once per round in an order that moves
+on, prints tables and keeps everything in benchmarks/results/peers-*.json. README.md says what exactly is rendered.
+octomarch itself must be installed. tables.py comes after it.
 """
 
 import argparse
@@ -19,7 +19,7 @@ import numpy as np
 import machine
 import peer_tables
 from peers import environment
-from peers.client import Client, Gone
+from peers.client import Client, GoneError
 from peers.octomarch_engine import truth
 from peers.registry import Contender, everybody
 from peers.tasks import Mode, Task
@@ -40,7 +40,9 @@ def arguments() -> argparse.Namespace:
     parser.add_argument(
         "--n", nargs="*", type=int, default=[10, 50, 1000, 10_000, 100_000], help="sizes of C besides 200, depth alone"
     )
-    parser.add_argument("--size", nargs=2, type=int, default=[640, 480], metavar=("W", "H"), help="multiples of 8 and 4")
+    parser.add_argument(
+        "--size", nargs=2, type=int, default=[640, 480], metavar=("W", "H"), help="multiples of 8 and 4"
+    )
     parser.add_argument("--repeat", type=int, default=7, metavar="N", help="rounds, ≥ 3 (default: 7)")
     parser.add_argument("--repeat-n", type=int, default=3, metavar="N", help="rounds for --n (default: 3)")
     parser.add_argument("--limit", type=float, default=20.0, metavar="S", help="seconds that a picture may take")
@@ -83,7 +85,7 @@ class Entry:
     def start(self) -> Client:
         """Return the process; a new one where the last scene was the end of it."""
         if self.absent:
-            raise Gone(self.absent)
+            raise GoneError(self.absent)
         if self.client is None:
             self.client = Client(self.contender, self.python, self.cpu, self.patience)
             self.greeting = self.client.greeting
@@ -92,7 +94,7 @@ class Entry:
     def ask(self, do: str, **request: Any) -> dict[str, Any]:
         try:
             return self.start().ask(do, **request)
-        except Gone:
+        except GoneError:
             self.client = None
             raise
 
@@ -132,17 +134,17 @@ def prepare(entries: list[Entry], task: Task, limit: float) -> tuple[list[Entry]
             continue
         try:
             file = entry.start().picture
-            first = entry.ask("prepare", task=task.to_json(), picture=str(file))["first_seconds"]
+            first = entry.ask("prepare", task=task.to_json(), picture=str(file))
             pictures[entry.contender.key] = np.load(file)
             warm = entry.ask("round")["wall"] / 1e3
-        except Gone as gone:
+        except GoneError as gone:
             rows.append(row | {"status": "failed", "reason": str(gone)})
             continue
         entry.seconds[task.scene, task.mode] = task.n, warm
         if warm > limit:
             rows.append(row | {"status": "skipped", "reason": f"{warm:.0f} s a picture, the limit is {limit:.0f} s"})
             continue
-        rows.append(row | {"status": "ok", "first_seconds": first})
+        rows.append(row | {"status": "ok", **first})
         ready.append(entry)
     return ready, rows, pictures
 
@@ -155,7 +157,7 @@ def rounds(entries: list[Entry], repeat: int, title: str) -> dict[str, dict[str,
         for entry in entries[shift:] + entries[:shift]:
             try:
                 answer = entry.ask("round")
-            except Gone as gone:
+            except GoneError as gone:
                 print(f"\n{entry.contender.key}: {gone}", file=sys.stderr)
                 continue
             for clock, values in times[entry.contender.key].items():
@@ -169,13 +171,12 @@ def summary(row: dict[str, Any], times: dict[str, list[float]], error: Error | N
     if len(times["cpu"]) < 3:
         return row | {"status": "failed", "reason": "it ended in the middle of the rounds"}
     low, median, high = (float(p) for p in np.percentile(times["cpu"], [25, 50, 75]))
-    wall = float(np.median(times["wall"]))
     return row | {
-        "compile_seconds": max(row["first_seconds"] - wall / 1e3, 0.0),
+        "compile_seconds": max(row["first_cpu_seconds"] - median / 1e3, 0.0),
         "median": median,
         "quartiles": [low, high],
         "fastest": min(times["cpu"]),
-        "median_wall": wall,
+        "median_wall": float(np.median(times["wall"])),
         "rounds": len(times["cpu"]),
         "error": None if error is None else vars(error),
     }

@@ -40,12 +40,17 @@ def labels(result: Result) -> dict[str, str]:
     return {contender["key"]: contender["label"] for contender in result["contenders"]}
 
 
+def leading(result: Result) -> list[str]:
+    """Return all peers, and octomarch on the best instruction set alone."""
+    keys = list(labels(result))
+    own = [key for key in keys if key.startswith("octomarch")]
+    return [key for key in keys if key not in own or key.split("-")[1] == own[0].split("-")[1]]
+
+
 def picture(result: Result, scene: str, n: int, mode: str) -> dict[str, Row]:
     """Return the rows of one picture by contender."""
     return {
-        row["contender"]: row
-        for row in result["rows"]
-        if (row["scene"], row["n"], row["mode"]) == (scene, n, mode)
+        row["contender"]: row for row in result["rows"] if (row["scene"], row["n"], row["mode"]) == (scene, n, mode)
     }
 
 
@@ -98,11 +103,18 @@ def scene_table(result: Result, scene: str, n: int) -> str:
         (key for key in names if key in depth or key in shaded),
         key=lambda key: next((r["median"] for r in (depth.get(key), shaded.get(key)) if r and "median" in r), 1e99),
     )
-    lines = [
-        "| | primary rays, ms | full shading, ms | compile, s | compile, shaded, s | Δt p50 | Δt p95 | Δt p99 "
-        "| false hits | false misses | Δ luminance p95 |",
-        "|---|" + "---:|" * 10,
+    heads = [
+        "",
+        "primary rays, ms",
+        "full shading, ms",
+        "compile, s",
+        "compile, shaded, s",
+        "Δt p50",
+        "Δt p95",
+        "Δt p99",
     ]
+    heads += ["false hits", "false misses", "Δ luminance p95"]
+    lines = ["| " + " | ".join(heads) + " |", "|---|" + "---:|" * (len(heads) - 1)]
     for key in keys:
         first, second = depth.get(key), shaded.get(key)
         cells = [bold(names[key]), _timing(first), _timing(second), _seconds(first), _seconds(second)]
@@ -129,17 +141,28 @@ def sweep_table(result: Result) -> str:
     ns, names = sizes(result), labels(result)
     columns = {n: picture(result, "C", n, "depth") for n in ns}
     keys = [key for key in names if sum(key in column for column in columns.values()) > 1]
+    limit = f"> {result['settings']['limit_seconds']:.0f} s"
     lines = ["| balls | " + " | ".join(f"{n:,}" for n in ns) + " |", "|---|" + "---:|" * len(ns)]
     for key in keys:
         rows = [columns[n].get(key) for n in ns]
-        cells = ["–" if not row else time(row["median"]) if row["status"] == "ok" else row["status"] for row in rows]
+        cells = [
+            "–"
+            if not row
+            else time(row["median"])
+            if row["status"] == "ok"
+            else limit
+            if row["status"] == "skipped"
+            else "failed"
+            for row in rows
+        ]
         lines.append(f"| {bold(names[key])} | " + " | ".join(cells) + " |")
-    return "\n".join(lines + [line for n in ns if n != result["settings"]["table_n"] for line in _skipped(result, n)])
-
-
-def _skipped(result: Result, n: int) -> list[str]:
-    lines = remarks(result, "C", n)
-    return [lines[0], *(line.replace("- ", f"- {n:,} balls: ", 1) for line in lines[1:])] if lines else []
+    failed = [
+        f"- {n:,} balls: {names[key]}: {row['reason']}"
+        for n, column in columns.items()
+        for key, row in column.items()
+        if row["status"] == "failed"
+    ]
+    return "\n".join([*lines, *(["", *failed] if failed else [])])
 
 
 def winners(result: Result) -> str:
@@ -164,13 +187,51 @@ def how(result: Result) -> str:
     """Return on what and with what was measured."""
     machine, settings = result["machine"], result["settings"]
     busy = machine.get("busy_processors_before"), machine.get("busy_processors_after")
-    rounds = {row["rounds"] for row in result["rows"] if row["status"] == "ok" and row["n"] in (0, settings["table_n"])}
+    tabled = [row for row in result["rows"] if row["status"] == "ok" and row["n"] in (0, settings["table_n"])]
+    rounds = sorted({row["rounds"] for row in tabled})
     width, height = settings["size"]
     return (
-        f"{machine['processor']['model']}, {machine['date'][:10]}, octomarch {machine['octomarch']} at {machine['commit']}, "
-        f"{width}×{height}, medians and quartiles of {'–'.join(map(str, sorted({min(rounds), max(rounds)})))} rounds, "
+        f"{machine['processor']['model']}, {machine['date'][:10]}, octomarch {machine['octomarch']} at "
+        f"{machine['commit']}, {width}×{height}, medians and quartiles of {'–'.join(map(str, rounds))} rounds, "
         f"milliseconds of processor time; other work kept {busy[0]} processors busy before and {busy[1]} after."
     )
+
+
+def summary_table(result: Result) -> str:
+    """Return one line per contender: both times in every scene, p95 of Δt in A, the longest compilation."""
+    names, scenes = labels(result), pictures(result)
+    columns = [picture(result, scene, n, mode) for scene, n in scenes for mode in MODES]
+    heads = [f"{scene}: {n:,} balls" if n else scene for scene, n in scenes]
+    lines = [
+        "| ms, primary rays / full shading | " + " | ".join(heads) + " | Δt p95 in A | compile, s |",
+        "|---|" + "---:|" * (len(scenes) + 2),
+    ]
+    for key, name in names.items():
+        rows = [column.get(key) for column in columns]
+        cells = [time(row["median"]) if row and row["status"] == "ok" else "–" for row in rows]
+        pairs = [f"{first} / {second}" for first, second in zip(cells[::2], cells[1::2], strict=True)]
+        good = [row["compile_seconds"] for row in rows if row and row["status"] == "ok"]
+        error = next((row["error"] for row in rows if row and row.get("error")), None)
+        accuracy = f"{error['p95']:.0e}" if error else "–"
+        lines.append(f"| {bold(name)} | " + " | ".join([*pairs, accuracy, f"{max(good, default=0):.2f}"]) + " |")
+    return "\n".join(lines + failures(result))
+
+
+def failures(result: Result) -> list[str]:
+    """Return why contenders have no figure in the scenes' tables, as a list below a table."""
+    found = [line for scene, n in pictures(result) for line in remarks(result, scene, n) if line]
+    return ["", *dict.fromkeys(found)] if found else []
+
+
+def versions(result: Result) -> str:
+    """Return what each contender is, and how it was set up."""
+    lines = ["| | versions | set up as |", "|---|---|---|"]
+    for contender in result["contenders"]:
+        own = contender["key"].startswith("octomarch")
+        packages = {"octomarch": result["machine"]["octomarch"]} if own else contender["versions"]
+        listed = ", ".join(f"{name} {version}" for name, version in packages.items()) or "did not start"
+        lines.append(f"| {bold(contender['label'])} | {listed} | {contender['flags']} |")
+    return "\n".join(lines)
 
 
 def tables(result: Result) -> str:

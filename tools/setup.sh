@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Prepares the machine for the Makefile: Python's headers, GLM and ccache ("build") or doctest ("test") through apt
-# where they are missing and apt may be used, then, for "build", the virtual environment .venv. Says what to do where it
-# may not. Called as: setup.sh PYTHON build|test
+# Prepares the machine for the Makefile: Python's headers, GLM and ccache ("build"), doctest ("test") or the LLVM that
+# Dr.Jit works with ("peers") through apt where they are missing and apt may be used, then, for "build", the virtual
+# environment .venv. Says what to do where it may not. Called as: setup.sh PYTHON build|test|peers
 set -euo pipefail
 python=$1
 stage=$2
@@ -19,8 +19,10 @@ missing_packages() {
     has_venv || echo python3-venv
     has_header glm/glm.hpp || echo libglm-dev
     command -v ccache > /dev/null || echo ccache
-  else
+  elif [ "$stage" = test ]; then
     has_header doctest/doctest.h || echo doctest-dev
+  else
+    compgen -G '/usr/lib/*/libLLVM-19.so' > /dev/null || echo libllvm19
   fi
 }
 
@@ -56,6 +58,7 @@ for package in $(missing_packages); do
     python3-venv) ;;  # pip makes up for it below
     libglm-dev) echo "GLM is missing: CMake will download it. To avoid that: apt-get install libglm-dev" >&2 ;;
     doctest-dev) echo "doctest is missing: CMake will download it. To avoid that: apt-get install doctest-dev" >&2 ;;
+    libllvm19) echo "libllvm19 is missing: Dr.Jit will be reported as failed, or work with another LLVM." >&2 ;;
     ccache) echo "ccache is missing: builds from scratch will take longer." >&2 ;;
   esac
 done

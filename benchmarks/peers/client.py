@@ -14,19 +14,12 @@ from peers.registry import Contender
 
 BENCHMARKS = Path(__file__).resolve().parents[1]
 # One thread each, in the words of every library that has a pool of its own. The processor is pinned besides.
-ONE_THREAD = {
-    name: "1"
-    for name in (
-        "OMP_NUM_THREADS",
-        "OPENBLAS_NUM_THREADS",
-        "MKL_NUM_THREADS",
-        "NUMBA_NUM_THREADS",
-        "NPROC",
-    )
-}
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS", "NPROC"), "1"
+)
 
 
-class Gone(Exception):
+class GoneError(Exception):
     """A contender cannot go on: the text says why."""
 
 
@@ -37,11 +30,13 @@ class Client:
         self.patience = patience
         self.home = tempfile.mkdtemp(prefix="octomarch-peer-")
         self.picture = Path(self.home) / "picture.npy"
-        self._log = open(Path(self.home) / "log", "w+", encoding="utf-8", errors="replace")  # noqa: SIM115
+        self._log = (Path(self.home) / "log").open("w+", encoding="utf-8", errors="replace")
         self._process = subprocess.Popen(
             [str(python), "-m", "peers.worker", json.dumps(contender.specification()), str(cpu)],
             cwd=BENCHMARKS,
-            env=os.environ | ONE_THREAD | {"HOME": self.home, "XDG_CACHE_HOME": self.home, "PYTHONDONTWRITEBYTECODE": "1"},
+            env=os.environ
+            | ONE_THREAD
+            | {"HOME": self.home, "XDG_CACHE_HOME": self.home, "PYTHONDONTWRITEBYTECODE": "1"},
             stdin=subprocess.PIPE,
             stdout=subprocess.PIPE,
             stderr=self._log,
@@ -50,13 +45,13 @@ class Client:
         self.greeting = self._answer()
 
     def ask(self, do: str, **arguments: Any) -> dict[str, Any]:
-        """Raise Gone if the contender fails, ends or does not answer in time; it is stopped then."""
+        """Raise GoneError if the contender fails, ends or does not answer in time; it is stopped then."""
         assert self._process.stdin
         try:
             self._process.stdin.write(json.dumps({"do": do, **arguments}) + "\n")
             self._process.stdin.flush()
         except OSError:
-            raise Gone(self._last_words()) from None
+            raise GoneError(self._last_words()) from None
         return self._answer()
 
     def _answer(self) -> dict[str, Any]:
@@ -64,14 +59,14 @@ class Client:
         ready, _, _ = select.select([self._process.stdout], [], [], self.patience)
         if not ready:
             self.close()
-            raise Gone(f"no answer within {self.patience:.0f} s")
+            raise GoneError(f"no answer within {self.patience:.0f} s")
         line = self._process.stdout.readline()
         if not line:
-            raise Gone(self._last_words())
+            raise GoneError(self._last_words())
         answer: dict[str, Any] = json.loads(line)
         if "error" in answer:
             self.close()
-            raise Gone(answer["error"])
+            raise GoneError(answer["error"])
         return answer
 
     def _last_words(self) -> str:

@@ -1,7 +1,7 @@
 """Dr.Jit: the picture as one wavefront, its LLVM backend, loops traced by `dr.syntax`.
 
-`dr.freeze` keeps the traced program, so that a steady call costs the kernel alone. Dr.Jit 1.5 works with LLVM 19 and ends
-the process with others, which it may find first: where there is Debian's libllvm19 it is told so.
+`dr.freeze` keeps the traced program, so that a steady call costs the kernel alone. Dr.Jit 1.5 works with LLVM 19 and
+ends the process with others, which it may find first: where there is Debian's libllvm19 it is told so.
 """
 
 import os
@@ -23,7 +23,7 @@ from peers.tasks import Task  # noqa: E402
 from spheres import SMOOTH  # noqa: E402
 
 WORDS = Words(dr.sqrt, dr.abs, dr.minimum, dr.maximum, dr.floor)
-UNROLLED = 300  # balls at the most whose numbers are written into the program; more are read in a loop
+UNROLLED = 1000  # balls at the most whose numbers are written into the program; more are read in a loop
 
 dr.set_thread_count(1)
 
@@ -69,7 +69,9 @@ def march(distance: Any, eye: Any, direction: Any, max_steps: int, epsilon: floa
 
 
 @dr.syntax
-def soft_shadow(distance: Any, p: Any, to_light: Any, active: Any, max_steps: int, k: float, epsilon: float, far: float) -> Any:
+def soft_shadow(
+    distance: Any, p: Any, to_light: Any, active: Any, max_steps: int, k: float, epsilon: float, far: float
+) -> Any:
     seen, t, steps = Float(1), Float(0), UInt32(0)
     while active & (steps < max_steps):
         d = distance(dr.fma(to_light, t, p))
@@ -103,7 +105,14 @@ def prepare(task: Task) -> Callable[[], NDArray[np.float32]]:
         mirrored = dr.dot(to_light, direction) - 2 * facing * dr.dot(n, direction)
         highlight = light.specular * dr.power(dr.maximum(mirrored, 0), light.exponent)
         seen = soft_shadow(
-            distance, p, to_light, hit & (facing > 0), light.shadow_steps, light.shadow_k, task.epsilon, task.max_distance
+            distance,
+            p,
+            to_light,
+            hit & (facing > 0),
+            light.shadow_steps,
+            light.shadow_k,
+            task.epsilon,
+            task.max_distance,
         )
         lit = seen * (light.albedo * facing + highlight)
         return light.ambient * light.albedo * open_to_sky + dr.select(facing > 0, lit, 0)

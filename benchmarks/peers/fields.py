@@ -1,8 +1,8 @@
 """The fields of the scenes, one text for every library: what differs is what its functions are called.
 
-`Words` names those. A field takes and returns whatever the library computes with: floats in its compiler, arrays, traced
-variables. Constants stand outside of the functions, rounded by `number`, since some compilers would take a literal for
-a double; parameters and results say float for those compilers that want to know.
+`Words` names those. A field takes and returns whatever the library computes with: floats in its compiler, arrays,
+traced variables. Constants stand outside of the functions, rounded by `number`, since some compilers would take a
+literal for a double; parameters and results say float for those compilers that want to know.
 """
 
 from collections.abc import Callable
@@ -90,7 +90,7 @@ def building(words: Words) -> Any:
 
 
 def with_ball(words: Words, k: float) -> Any:
-    """Return a function that smoothly unites a distance with that to a ball: scene C is this, over its balls in order."""
+    """Return the function that smoothly unites a distance with that to a ball: scene C is this, ball after ball."""
     sqrt, smooth = words.sqrt, smooth_minimum(words, k)
 
     def united(d: float, dx: float, dy: float, dz: float, radius: float) -> float:

@@ -6,26 +6,23 @@ A loop of a tile goes on until its last ray has ended; `lax.map` walks over the 
 import os
 
 os.environ["JAX_PLATFORMS"] = "cpu"
-os.environ["XLA_FLAGS"] = (
-    "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1 --xla_cpu_enable_fast_math=true"
-)
+os.environ["XLA_FLAGS"] = "--xla_cpu_multi_thread_eigen=false --xla_cpu_enable_fast_math=true"
 
-from collections.abc import Callable  # noqa: E402  (JAX reads its environment when it is imported)
-from typing import Any  # noqa: E402
+from collections.abc import Callable
+from typing import Any
 
-import jax  # noqa: E402
-import jax.numpy as jnp  # noqa: E402
-import numpy as np  # noqa: E402
-from jax import lax  # noqa: E402
-from numpy.typing import NDArray  # noqa: E402
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jax import lax
+from numpy.typing import NDArray
 
-from peers.fields import Words, field, with_ball  # noqa: E402
-from peers.tasks import Task  # noqa: E402
-from spheres import SMOOTH  # noqa: E402
+from peers.fields import Words, field, with_ball
+from peers.tasks import Task
+from spheres import SMOOTH
 
 WORDS = Words(jnp.sqrt, jnp.abs, jnp.minimum, jnp.maximum, jnp.floor)
 TILE = 5120  # rays
-
 
 Vectors = tuple[Any, Any, Any]  # of arrays, or of numbers that are the same for all rays
 

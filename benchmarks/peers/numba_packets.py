@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from peers.numba_fields import WORDS, compiled, field_of, maximum, minimum
 from peers.fields import with_ball
+from peers.numba_fields import WORDS, compiled, field_of, maximum, minimum
 from peers.tasks import Task
 from spheres import SMOOTH
 
@@ -172,7 +172,7 @@ def shade_of(task: Task, distances: Any) -> Any:
 
 
 def prepare(task: Task) -> Callable[[], NDArray[np.float32]]:
-    """The picture's size must be a multiple of the packet's."""
+    """Return the function that renders. The picture's size must be a multiple of the packet's."""
     distances = distances_of(task)
     rays, march, shade = rays_of(task), march_of(task, distances), shade_of(task, distances)
     eye, far, sky = np.array(task.eye, F), F(task.max_distance), F(task.light.sky)

@@ -13,28 +13,21 @@ from peers.tasks import Task
 F = np.float32
 
 
-def normalized() -> Any:
-    @compiled
-    def unit(x: float, y: float, z: float) -> tuple[float, float, float]:
-        scale = F(1) / math.sqrt(x * x + y * y + z * z)
-        return x * scale, y * scale, z * scale
-
-    return unit
-
-
-unit = normalized()
+@compiled
+def unit(x: float, y: float, z: float) -> tuple[float, float, float]:
+    scale = F(1) / math.sqrt(x * x + y * y + z * z)
+    return x * scale, y * scale, z * scale
 
 
 def ray_of(task: Task) -> Any:
     """Return the function from column and row of a pixel to the direction of its ray."""
     (rx, ry, rz), (ux, uy, uz), (fx, fy, fz) = (tuple(map(F, axis)) for axis in task.axes)
-    per_column, per_row = F(2 / task.height), F(2 / task.height)
-    left, top = F(task.width / task.height), F(1)
+    pixel, left, top, half = F(2 / task.height), F(task.width / task.height), F(1), F(0.5)
 
     @compiled
     def ray(column: int, row: int) -> tuple[float, float, float]:
-        sx = (F(column) + F(0.5)) * per_column - left
-        sy = top - (F(row) + F(0.5)) * per_row
+        sx = (F(column) + half) * pixel - left
+        sy = top - (F(row) + half) * pixel
         return unit(fx + sx * rx + sy * ux, fy + sx * ry + sy * uy, fz + sx * rz + sy * uz)
 
     return ray
@@ -124,9 +117,7 @@ def prepare(task: Task) -> Callable[[], NDArray[np.float32]]:
             for column in range(picture.shape[1]):
                 dx, dy, dz = ray(column, row)
                 t = march(ox, oy, oz, dx, dy, dz)
-                picture[row, column] = (
-                    shade(ox + t * dx, oy + t * dy, oz + t * dz, dx, dy, dz) if t <= far else sky
-                )
+                picture[row, column] = shade(ox + t * dx, oy + t * dy, oz + t * dz, dx, dy, dz) if t <= far else sky
 
     kernel = depth if task.mode == "depth" else shaded
 

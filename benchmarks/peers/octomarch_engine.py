@@ -44,7 +44,7 @@ def prepare(task: Task, isa: str = "", defaults: bool = False) -> Callable[[], N
     """Time what a user pays for each picture, the shape's compilation included.
 
     With `defaults` everything but the far limit is as it comes, without a thought: normals are exact, hits finished and
-    the hit epsilon is that of the picture. Occlusion reaches as far as with the others, so that pictures can be compared.
+    the hit epsilon is that of the picture. Occlusion reaches as far as with the others: pictures are to be compared.
     """
     shape = shape_of(task)
     camera = om.Camera(eye=task.eye, target=(0, 0, 0), fov=task.fov)
@@ -80,5 +80,4 @@ def truth(task: Task) -> NDArray[np.float64]:
         planes=(plane,),
         precision="float64",
     )
-    found: NDArray[np.float64] = image.depth if plane == "depth" else image.color[..., 0]
-    return found
+    return np.asarray(image.depth if plane == "depth" else image.color[..., 0], np.float64)

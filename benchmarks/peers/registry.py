@@ -29,7 +29,7 @@ PEERS = (
         "Dr.Jit, LLVM",
         "drjit_llvm",
         ("drjit", "numpy"),
-        "one wavefront, symbolic loops, frozen function, fast-math; balls unrolled up to 300, then a loop",
+        "one wavefront, symbolic loops, frozen function, fast-math; balls unrolled up to 1,000, then a loop",
     ),
     Contender(
         "numba-packets",

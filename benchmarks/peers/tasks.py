@@ -1,4 +1,4 @@
-"""What a peer is asked for: scene, camera, march and light as plain numbers. compare.py sends it, worker.py reads it."""
+"""What a peer is asked for: scene, camera, march and light as numbers. compare.py sends it, worker.py reads it."""
 
 import math
 from dataclasses import asdict, dataclass
@@ -81,8 +81,8 @@ class Task:
 
     @classmethod
     def from_json(cls, values: dict[str, Any]) -> "Task":
-        light = {name: tuple(v) if isinstance(v, list) else v for name, v in values["light"].items()}
-        return cls(**{**values, "eye": tuple(values["eye"]), "light": Light(**light)})
+        light = Light(**{**values["light"], "direction": tuple(values["light"]["direction"])})
+        return cls(**{**values, "eye": tuple(values["eye"]), "light": light})
 
 
 def _vector(values: NDArray[np.float64]) -> Vector:

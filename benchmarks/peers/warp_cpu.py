@@ -1,4 +1,7 @@
-"""Warp on the CPU: one kernel over the pixels, one ray at a time."""
+"""Warp on the CPU: one kernel over the pixels, one ray at a time.
+
+A variable that changes in a loop is made by float(…): a literal would be a constant to Warp.
+"""
 
 from collections.abc import Callable
 from typing import Any
@@ -20,19 +23,19 @@ WORDS = Words(wp.sqrt, wp.abs, wp.min, wp.max, wp.floor, compiled=wp.func)
 
 
 def field_of(task: Task) -> Any:
-    """Return the distance at a point, given the balls of scene C, which the other scenes do without."""
+    """Return the distance at a point, given the balls of scene C; the other scenes have no use for them."""
     if task.scene != "C":
         distance = field(WORDS, task.scene)
 
         @wp.func
-        def at(p: wp.vec3, balls: wp.array(dtype=wp.vec4)) -> float:
+        def at(p: wp.vec3, balls: wp.array[wp.vec4]) -> float:
             return distance(p[0], p[1], p[2])
 
         return at
     unite = with_ball(WORDS, SMOOTH)
 
     @wp.func
-    def united(p: wp.vec3, balls: wp.array(dtype=wp.vec4)) -> float:
+    def united(p: wp.vec3, balls: wp.array[wp.vec4]) -> float:
         d = float(1e9)
         for i in range(balls.shape[0]):
             ball = balls[i]
@@ -48,12 +51,13 @@ def shade_of(task: Task, distance: Any) -> Any:
     to_light = wp.constant(wp.vec3(*light.direction))
     x, y, z = (wp.constant(wp.vec3(*axis) * light.normal_step) for axis in np.eye(3).tolist())
     epsilon, far, steps, k = task.epsilon, task.max_distance, light.shadow_steps, light.shadow_k
-    heights, weights = (wp.constant(wp.types.vector(5, float)(*values)) for values in zip(*light.occlusion, strict=True))
-    offset, samples, exponent = light.offset, light.occlusion_samples, light.exponent
+    samples, offset, exponent = light.occlusion_samples, light.offset, light.exponent
+    vector = wp.types.vector(samples, float)
+    heights, weights = (wp.constant(vector(*values)) for values in zip(*light.occlusion, strict=True))
     ambient, albedo, specular = light.ambient * light.albedo, light.albedo, light.specular
 
     @wp.func
-    def soft_shadow(p: wp.vec3, balls: wp.array(dtype=wp.vec4)) -> float:
+    def soft_shadow(p: wp.vec3, balls: wp.array[wp.vec4]) -> float:
         seen = float(1.0)
         t = float(0.0)
         for _ in range(steps):
@@ -68,7 +72,7 @@ def shade_of(task: Task, distance: Any) -> Any:
         return seen
 
     @wp.func
-    def shade(surface: wp.vec3, direction: wp.vec3, balls: wp.array(dtype=wp.vec4)) -> float:
+    def shade(surface: wp.vec3, direction: wp.vec3, balls: wp.array[wp.vec4]) -> float:
         gx = distance(surface + x, balls) - distance(surface - x, balls)
         gy = distance(surface + y, balls) - distance(surface - y, balls)
         gz = distance(surface + z, balls) - distance(surface - z, balls)
@@ -104,7 +108,7 @@ def prepare(task: Task) -> Callable[[], NDArray[np.float32]]:
         return wp.normalize(forward + sx * right + sy * up)
 
     @wp.func
-    def march(direction: wp.vec3, balls: wp.array(dtype=wp.vec4)) -> float:
+    def march(direction: wp.vec3, balls: wp.array[wp.vec4]) -> float:
         t = float(0.0)
         for _ in range(max_steps):
             d = distance(eye + t * direction, balls)
@@ -116,7 +120,7 @@ def prepare(task: Task) -> Callable[[], NDArray[np.float32]]:
         return t
 
     @wp.kernel(module="unique")
-    def depth(balls: wp.array(dtype=wp.vec4), picture: wp.array2d(dtype=float)) -> None:
+    def depth(balls: wp.array[wp.vec4], picture: wp.array2d[float]) -> None:
         row, column = wp.tid()
         t = march(direction_of(row, column), balls)
         if t > far:
@@ -124,7 +128,7 @@ def prepare(task: Task) -> Callable[[], NDArray[np.float32]]:
         picture[row, column] = t
 
     @wp.kernel(module="unique")
-    def shaded(balls: wp.array(dtype=wp.vec4), picture: wp.array2d(dtype=float)) -> None:
+    def shaded(balls: wp.array[wp.vec4], picture: wp.array2d[float]) -> None:
         row, column = wp.tid()
         direction = direction_of(row, column)
         t = march(direction, balls)

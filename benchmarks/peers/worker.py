@@ -1,7 +1,7 @@
 """One contender in a process of its own: it prepares a task and renders it as often as it is told to.
 
-``python -m peers.worker SPECIFICATION CPU``, with a specification as registry.py makes it. Requests are lines of JSON on
-standard input, answers on standard output; what the library prints goes to standard error. compare.py asks.
+``python -m peers.worker SPECIFICATION CPU``, with a specification as registry.py makes it. Requests are lines of JSON
+on standard input, answers on standard output; what the library prints goes to standard error. compare.py asks.
 """
 
 import gc
@@ -36,12 +36,12 @@ class Worker:
         """Render a first time: what a library compiles is compiled here."""
         self.render = None
         gc.collect()
-        begin = time.perf_counter()
+        wall, cpu = time.perf_counter(), time.process_time()
         self.render = self.module.prepare(Task.from_json(task), **self.options)
         pixels = self.render()
-        seconds = time.perf_counter() - begin
+        cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
         np.save(picture, pixels)
-        return {"first_seconds": seconds}
+        return {"first_seconds": wall, "first_cpu_seconds": cpu}
 
     def round(self) -> dict[str, Any]:
         if self.render is None:
@@ -86,7 +86,13 @@ def main() -> None:
         return
     seconds = time.perf_counter() - begin
     gc.disable()
-    answer({"import_seconds": seconds, "versions": versions(specification["packages"]), "python": str(Path(sys.executable))})
+    answer(
+        {
+            "import_seconds": seconds,
+            "versions": versions(specification["packages"]),
+            "python": str(Path(sys.executable)),
+        }
+    )
     serve(worker, sys.stdin, answer)
 
 

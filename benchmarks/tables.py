@@ -1,0 +1,113 @@
+"""Turn what is kept in benchmarks/results into the tables and plots of README.md and the guide.
+
+``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
+``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
+Damaged results end it with file and key, and nothing is written. compare.py, run.py and quality.py come before it.
+"""
+
+import argparse
+import json
+import re
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import hand_tables
+import peer_tables
+
+ROOT = Path(__file__).resolve().parents[1]
+PAGES = ("README.md", "docs/guide/benchmarks.md", "docs/guide/marching.md")
+
+_BLOCK = re.compile(r"(<!-- begin: (?P<name>[a-z-]+) -->\n).*?(<!-- end: (?P=name) -->)", re.DOTALL)
+_MARKER = re.compile(r"<!-- (begin|end): ")
+
+
+def load(path: Path, check: Callable[[Any, str], None]) -> Any:
+    """Read a file of results. Raise ValueError where it is not what `check` expects."""
+    try:
+        result = json.loads(path.read_text(encoding="utf-8"))
+    except json.JSONDecodeError as error:
+        raise ValueError(f"{path.name}: not JSON: {error}") from None
+    check(result, path.name)
+    return result
+
+
+def newest(results: Path) -> Any:
+    """Return the newest run of compare.py."""
+    found = [load(path, peer_tables.check) for path in sorted(results.glob("peers-*.json"))]
+    if not found:
+        raise ValueError(f"{results}: no peers-*.json; compare.py writes one")
+    return max(found, key=lambda result: result["machine"]["date"])
+
+
+def blocks(results: Path) -> dict[str, str]:
+    """Return the text of every block by name."""
+    runs = [load(path, hand_tables.check_by_hand) for path in sorted(results.glob("*-run[0-9].json"))]
+    if not runs:
+        raise ValueError(f"{results}: no *-run[0-9].json; run.py writes one")
+    peers = newest(results)
+    pictures = peer_tables.pictures(peers)
+    return {
+        "by-hand": hand_tables.by_hand(runs),
+        "quality": hand_tables.quality(load(results / "quality.json", hand_tables.check_quality)),
+        "peers-how": peer_tables.how(peers),
+        "peers-summary": peer_tables.summary_table(peers),
+        "peers-winners": peer_tables.winners(peers),
+        "peers-versions": peer_tables.versions(peers),
+        "peers-growth": peer_tables.sweep_table(peers),
+        **{f"peers-{scene.lower()}": peer_tables.scene_table(peers, scene, n) for scene, n in pictures},
+    }
+
+
+def filled(text: str, name: str, found: dict[str, str]) -> str:
+    """Return a page with its blocks filled. Raise ValueError where a marker has no partner, or a block no text."""
+
+    def fill(match: re.Match[str]) -> str:
+        if match["name"] not in found:
+            raise ValueError(
+                f"{name}: no results for the block {match['name']!r}; there are {', '.join(sorted(found))}"
+            )
+        return f"{match[1]}\n{found[match['name']]}\n\n{match[3]}"
+
+    result, count = _BLOCK.subn(fill, text)
+    if len(_MARKER.findall(text)) != 2 * count:
+        raise ValueError(f"{name}: a marker begin or end of a block has no partner")
+    return result
+
+
+def update(root: Path, results: Path, write: bool) -> list[str]:
+    """Fill the pages below `root` and return which of them change."""
+    found = blocks(results)
+    texts = {page: (root / page).read_text(encoding="utf-8") for page in PAGES}
+    fresh = {page: filled(text, page, found) for page, text in texts.items()}
+    stale = [page for page in PAGES if fresh[page] != texts[page]]
+    if write:
+        for page in stale:
+            (root / page).write_text(fresh[page], encoding="utf-8")
+    return stale
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--results", type=Path, default=ROOT / "benchmarks" / "results", metavar="DIR")
+    parser.add_argument("--check", action="store_true", help="write nothing, and fail if a table is stale")
+    parser.add_argument("--no-plots", action="store_true", help="tables only, for which matplotlib is not needed")
+    chosen = parser.parse_args()
+    try:
+        stale = update(ROOT, chosen.results, write=not chosen.check)
+    except ValueError as error:
+        sys.exit(str(error))
+    for page in stale:
+        print(f"{page}: {'stale' if chosen.check else 'written'}")
+    if chosen.check:
+        sys.exit(1 if stale else 0)
+    if not chosen.no_plots:
+        import plots  # here, since tables need no matplotlib
+
+        for path in plots.draw(newest(chosen.results), ROOT / "docs" / "images"):
+            print(f"{path.relative_to(ROOT)}: drawn")
+
+
+if __name__ == "__main__":
+    main()
