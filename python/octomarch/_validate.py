@@ -107,6 +107,9 @@ def vector(name: str, value: object) -> Vec3:
     """Return three numbers; NaN and infinities pass."""
     if type(value) is tuple and [type(item) for item in value] == [float, float, float]:
         return value
+    if type(value) is np.ndarray and value.shape == (3,) and value.dtype == np.float64:  # as rows of arrays are
+        x, y, z = value.tolist()
+        return x, y, z
     items = sequence(name, value, "three numbers")
     if len(items) != 3:
         raise ValueError(f"{name} must be three numbers, got {shown(value)}")

@@ -81,7 +81,8 @@ class Field:
     _program: Program | None
 
     def __init__(self, node: _core.Node) -> None:
-        check.set_fields(self, _node=node, _program=None)
+        object.__setattr__(self, "_node", node)
+        object.__setattr__(self, "_program", None)
 
     def _made(self, node: _core.Node) -> Self:
         """Return another of the same kind."""
