@@ -206,3 +206,38 @@ def test_too_many_values_at_once_are_refused():
     with pytest.raises(om.SceneError, match="more than 65535 registers"):
         om.compile(first - second)
     assert om.compile(first | om.sphere(1.0)).registers <= 5
+
+
+# Who else holds nodes ------------------------------------------------------------------------------------------------
+
+
+def test_programs_do_not_depend_on_who_holds_their_parts():
+    """Walks remember only nodes with several owners: whether somebody keeps a part must not show."""
+
+    def built() -> tuple[om.Shape, list[om.Shape]]:
+        parts = [om.sphere(0.3 + i / 10, center=(i, 0, 0)) for i in range(3)]
+        parts += [om.regular_polygon(5, 0.3).extrude(0.2).translate(0, i, 0) for i in range(3)]
+        parts += [parts[0] - parts[3], parts[3].repeat((2, None, None)), parts[1].paint(om.Material(0.5))]
+        return om.union(*parts, smooth=0.1), parts
+
+    shape, kept = built()
+    with_owners = str(om.compile(shape)), om.compile(shape).objects, repr(shape)
+    del shape, kept
+    shape = built()[0]
+    assert (str(om.compile(shape)), om.compile(shape).objects, repr(shape)) == with_owners
+
+
+def test_parts_below_paints_are_compiled_once():
+    """Each level places the one before twice, and the paints of that make the two places one again."""
+    red, blue = om.Material((1, 0, 0)), om.Material((0, 0, 1))
+    shape = om.box(1.0)
+    for _ in range(60):
+        shape = shape.paint(red).round(0.001) | shape.paint(blue).translate(0, 0, 0)
+    program = om.compile(shape)
+    assert program.objects == [("box", 0), ("box", 1)]  # the innermost paints, of the first level
+    assert program.instructions < 200
+
+
+def test_flat_parts_are_compiled_once_however_they_are_extruded():
+    slabs = om.union(*(om.regular_polygon(300, 1.0).extrude(0.5).translate(0, 0, i) for i in range(100)))
+    assert mnemonics(slabs).count("polygon_edge") == 300

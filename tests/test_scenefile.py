@@ -2,6 +2,7 @@
 
 import copy
 import dataclasses
+import gc
 import json
 import multiprocessing
 import pickle
@@ -144,6 +145,20 @@ def test_graphs_of_any_depth_and_width(tmp_path: Path):
     for shape in (deep, wide):
         om.Scene(shape).save(tmp_path / "large.json")
         assert om.load(tmp_path / "large.json").shape == shape
+
+
+def test_garbage_is_collected_again_after_saving_and_loading(tmp_path: Path):
+    scene, path = om.Scene(om.sphere(1.0)), tmp_path / "scene.json"
+    for was_enabled in (True, False):
+        (gc.enable if was_enabled else gc.disable)()
+        try:
+            scene.save(path)
+            om.load(path)
+            with pytest.raises(ValueError, match="no JSON"):
+                parsed("no")
+            assert gc.isenabled() is was_enabled
+        finally:
+            gc.enable()
 
 
 def test_scene_alone_and_with_settings(tmp_path: Path):

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import base64
 import binascii
-import itertools
 import math
 import zlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any, Never
 
 import numpy as np
@@ -22,6 +21,7 @@ from octomarch import _core
 from octomarch import _validate as check
 
 _KINDS = _core.node_kinds()
+_FIELDS = {kind: {"kind", "children", "texels", *(name for name, _, _ in _KINDS[kind])} for kind in _KINDS}
 _WHOLE = ("axis", "whole")
 _INFINITIES = {"inf": math.inf, "-inf": -math.inf}
 _MOST_UNPACKED = (
@@ -41,8 +41,7 @@ def infinity(value: object) -> float | None:
 
 def plain_nodes(nodes: Sequence[_core.Node]) -> list[dict[str, Any]]:
     """Return nodes, each after its children, as plain data."""
-    places = {node: place for place, node in enumerate(nodes)}
-    return [_plain(node, places) for node in nodes]
+    return [_plain(*content) for content in _core.contents(nodes)]
 
 
 def restored_nodes(items: object) -> _core.NodeList:
@@ -61,16 +60,19 @@ def restored_nodes(items: object) -> _core.NodeList:
     return nodes
 
 
-def _plain(node: _core.Node, places: Mapping[_core.Node, int]) -> dict[str, Any]:
-    result: dict[str, Any] = {"kind": node.kind}
-    numbers = iter(node.parameters)
-    for name, type_, count in _KINDS[node.kind]:
-        values = [_plain_number(type_, number) for number in itertools.islice(numbers, count or None)]
+def _plain(
+    kind: str, parameters: list[float], children: list[int], texels: NDArray[np.float32] | None
+) -> dict[str, Any]:
+    result: dict[str, Any] = {"kind": kind}
+    first = 0
+    for name, type_, count in _KINDS[kind]:
+        values: list[Any] = parameters[first : first + count] if count else parameters[first:]
+        first += count
+        if type_ in _WHOLE or not all(map(math.isfinite, values)):
+            values = [_plain_number(type_, value) for value in values]
         result[name] = values[0] if count == 1 else values
-    children = node.children
     if children:
-        result["children"] = [places[child] for child in children]
-    texels = node.texels
+        result["children"] = children
     if texels is not None:
         result["texels"] = _packed(texels)
     return result
@@ -91,9 +93,8 @@ def _append(nodes: _core.NodeList, item: object, place: str) -> None:
     described = _KINDS.get(kind) if isinstance(kind, str) else None
     if described is None:
         refuse(f"{place}.kind", "a kind of node that this version knows", kind)
-    known = {"kind", "children", "texels", *(name for name, _, _ in described)}
     for key in item:
-        if key not in known:
+        if key not in _FIELDS[kind]:
             raise ValueError(f"{place}.{key} is unknown")
     parameters: list[float] = []
     for name, _, count in described:

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -32,6 +33,22 @@ std::optional<py::array> texels_of(const NodePtr& node) {
   py::array_t<float> view({height, width, py::ssize_t{3}}, node->texels().data(), py::cast(node));
   view.attr("setflags")(py::arg("write") = false);
   return view;
+}
+
+/// Kind, parameters, places of children and texels of each of `nodes`. Contract: their children are among them.
+py::list contents_of(const std::vector<NodePtr>& nodes) {
+  std::unordered_map<const Node*, std::size_t> places;
+  places.reserve(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) places.emplace(nodes[i].get(), i);
+  py::list contents(nodes.size());
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const std::span<const double> parameters = nodes[i]->parameters();
+    std::vector<std::size_t> children;
+    for (const NodePtr& child : nodes[i]->children()) children.push_back(places.at(child.get()));
+    contents[i] = py::make_tuple(name(nodes[i]->kind()), std::vector<double>(parameters.begin(), parameters.end()),
+                                 children, texels_of(nodes[i]));
+  }
+  return contents;
 }
 
 void append(NodeList& list, const std::string& kind, std::vector<double> parameters,
@@ -92,6 +109,7 @@ void register_node(py::module_& module) {
       .def("__len__", &NodeList::size)
       .def("__getitem__", &NodeList::at);
   module.def("node_kinds", &node_kinds);
+  module.def("contents", &contents_of, py::arg("nodes"));
   module.def(
       "children_first", [](const std::vector<NodePtr>& roots) { return children_first(roots); }, py::arg("roots"));
 }
