@@ -108,22 +108,24 @@ def test_peer_that_cannot_start_is_reported():
 
 def test_peer_that_was_not_installed_gets_a_row_with_the_reason():
     import compare
+    from peers import rounds
     from peers.registry import PEERS
 
-    entry = compare.Entry(PEERS[0], Path(sys.executable), 0, 60, absent="not installed: no such package")
+    entry = rounds.Entry(PEERS[0], Path(sys.executable), 0, 60, absent="not installed: no such package")
     task = compare.task_of("A", "depth", 0, SIZE)
-    rows, times = compare.compare([entry], task, 3, 20)
+    rows, times = rounds.compare([entry], task, 3, 20)
     assert [(row["status"], row["reason"]) for row in rows] == [("failed", "not installed: no such package")]
     assert times == {}
 
 
 def test_peer_that_would_take_too_long_gets_a_row_with_the_reason():
     import compare
+    from peers import rounds
     from peers.registry import PEERS
 
-    entry = compare.Entry(PEERS[0], Path(sys.executable), 0, 60)
+    entry = rounds.Entry(PEERS[0], Path(sys.executable), 0, 60)
     entry.seconds["C", "depth"] = 200, 5.0
-    ready, rows, _ = compare.prepare([entry], compare.task_of("C", "depth", 2000, SIZE), 20)
+    ready, rows, _ = rounds.prepare([entry], compare.task_of("C", "depth", 2000, SIZE), 20)
     assert not ready
     assert rows[0]["status"] == "skipped"
     assert "about 50 s" in rows[0]["reason"]

@@ -22,6 +22,7 @@ from peers.fields import Words, field, with_ball  # noqa: E402
 from peers.tasks import Task  # noqa: E402
 from spheres import SMOOTH  # noqa: E402
 
+VERSIONS = {"LLVM": ".".join(map(str, dr.detail.llvm_version()))}  # of what is no package
 WORDS = Words(dr.sqrt, dr.abs, dr.minimum, dr.maximum, dr.floor)
 UNROLLED = 1000  # balls at the most whose numbers are written into the program; more are read in a loop
 

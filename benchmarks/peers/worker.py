@@ -12,16 +12,11 @@ import os
 import sys
 import time
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TextIO
 
 import numpy as np
 
 from peers.tasks import Task
-
-
-def versions(packages: list[str]) -> dict[str, str]:
-    return {name: importlib.metadata.version(name) for name in packages}
 
 
 class Worker:
@@ -62,7 +57,9 @@ def serve(worker: Worker, requests: TextIO, answer: Callable[[dict[str, Any]], N
 
 
 def first_line(error: BaseException) -> str:
-    """Return the kind of an error and the line of its message that says most: the first."""
+    """Return kind and first line of an error: of the one behind it all, where others were raised from it."""
+    while error.__cause__:
+        error = error.__cause__
     lines = str(error).strip().splitlines()
     return f"{type(error).__name__}: {lines[0][:300]}" if lines else type(error).__name__
 
@@ -86,13 +83,9 @@ def main() -> None:
         return
     seconds = time.perf_counter() - begin
     gc.disable()
-    answer(
-        {
-            "import_seconds": seconds,
-            "versions": versions(specification["packages"]),
-            "python": str(Path(sys.executable)),
-        }
-    )
+    versions = {name: importlib.metadata.version(name) for name in specification["packages"]}
+    versions |= getattr(worker.module, "VERSIONS", {})
+    answer({"import_seconds": seconds, "versions": versions})
     serve(worker, sys.stdin, answer)
 
 
