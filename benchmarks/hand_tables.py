@@ -1,4 +1,4 @@
-"""What run.py and quality.py have measured as Markdown. tables.py puts it into the documentation."""
+"""What run.py, quality.py and building.py have measured as Markdown. tables.py puts it into the documentation."""
 
 from typing import Any
 
@@ -12,6 +12,17 @@ ROWS = {
     "packet": "xsimd by hand, one packet at a time",
     "engine1": "**octomarch**",
     "block": "xsimd by hand, field fused, refilled blocks",
+}
+
+
+STAGES = {
+    "build": "from arrays",
+    "build_one_by_one": "one by one",
+    "compile": "compile",
+    "compile_ids": "ids",
+    "save": "save",
+    "load": "load",
+    "drop": "drop",
 }
 
 
@@ -36,6 +47,16 @@ def check_quality(result: Any, name: str) -> None:
     for index, row in enumerate(result["rows"]):
         wanted = ("max_steps", "max_distance", "evaluations_per_ray", "step_limit", "false_misses", "false_hits", "p99")
         if missing := [key for key in wanted if key not in row]:
+            raise ValueError(f"{name}: rows[{index}]: {', '.join(missing)} missing")
+
+
+def check_building(result: Any, name: str) -> None:
+    """Raise ValueError, naming file and key, where `result` is not what building.py writes."""
+    for key in ("machine", "rounds", "rows"):
+        if not isinstance(result, dict) or not result.get(key):
+            raise ValueError(f"{name}: {key!r} is missing")
+    for index, row in enumerate(result["rows"]):
+        if missing := [key for key in ("shapes", "n", "megabytes", *STAGES) if key not in row]:
             raise ValueError(f"{name}: rows[{index}]: {', '.join(missing)} missing")
 
 
@@ -97,3 +118,17 @@ def quality(result: Result) -> str:
             f"| {row['false_misses']} | {row['false_hits']} | {row['p50']:.1e} | {row['p95']:.1e} | {row['p99']:.1e} |"
         )
     return "\n".join(lines)
+
+
+def building(result: Result) -> str:
+    """Return what scenes cost before the first ray, in milliseconds."""
+    lines = [
+        "| milliseconds | n | " + " | ".join(STAGES.values()) + " | file, MB |",
+        "|---|---|" + "---|" * (len(STAGES) + 1),
+    ]
+    for row in result["rows"]:
+        times = " | ".join(f"{row[stage]:.3g}" for stage in STAGES)
+        lines.append(f"| {row['shapes']} | {row['n']:,} | {times} | {row['megabytes']:.2g} |")
+    model, date = result["machine"]["processor"]["model"], result["machine"]["date"][:10]
+    words = f"{model}, {date}, at {result['machine']['commit']}: medians of {result['rounds']} rounds, processor time."
+    return "\n".join([*lines, "", words])

@@ -46,8 +46,7 @@ def building() -> Scene:
 def spheres(n: int = 200) -> Scene:
     """Return scene C with n balls; it grows with n, at constant density."""
     recipe = balls(n)
-    pairs = zip(recipe.radii.tolist(), recipe.centers.tolist(), strict=True)
-    shape = om.union(*(om.sphere(radius, center) for radius, center in pairs), smooth=SMOOTH)
+    shape = om.spheres(recipe.centers, recipe.radii, smooth=SMOOTH)
     return Scene("C", f"{n:,} balls, smoothly united", shape, recipe.eye, max_distance=recipe.max_distance)
 
 

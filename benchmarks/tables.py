@@ -2,7 +2,8 @@
 
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
-Damaged results end it with file and key, and nothing is written. compare.py, run.py and quality.py come before it.
+Damaged results end it with file and key, and nothing is written. compare.py, run.py, quality.py and building.py come
+before it.
 """
 
 import argparse
@@ -50,6 +51,7 @@ def blocks(results: Path) -> dict[str, str]:
     pictures = peer_tables.pictures(peers)
     return {
         "by-hand": hand_tables.by_hand(runs),
+        "building": hand_tables.building(load(results / "building.json", hand_tables.check_building)),
         "quality": hand_tables.quality(load(results / "quality.json", hand_tables.check_quality)),
         "peers-how": peer_tables.how(peers),
         "peers-summary": peer_tables.summary_table(peers),

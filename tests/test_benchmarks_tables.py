@@ -76,6 +76,8 @@ def test_tables_are_taken_from_the_newest_run(tables: Any, copy: Path):
         ("*-run[0-9].json", lambda r: r["rows"][2].pop("median"), r"run3.json: rows\[2\]: median missing"),
         ("quality.json", lambda r: r.pop("rows"), "quality.json: 'rows' is missing"),
         ("quality.json", lambda r: r["rows"][0].pop("p99"), r"quality.json: rows\[0\]: p99 missing"),
+        ("building.json", lambda r: r.pop("rounds"), "building.json: 'rounds' is missing"),
+        ("building.json", lambda r: r["rows"][1].pop("save"), r"building.json: rows\[1\]: save missing"),
     ],
 )
 def test_damaged_results_are_refused(tables: Any, copy: Path, pattern: str, change: Damage, message: str):

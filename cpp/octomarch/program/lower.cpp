@@ -9,6 +9,7 @@
 
 #include "octomarch/base/error.hpp"
 #include "octomarch/base/hash.hpp"
+#include "octomarch/base/hash_table.hpp"
 #include "octomarch/graph/builder.hpp"
 #include "octomarch/program/lower_expression.hpp"
 #include "octomarch/program/placement.hpp"
@@ -120,14 +121,14 @@ class Lowering {
       return;
     }
     if (!has_one_way) {
-      if (const auto known = results_.find({&node, placements_[placement]}); known != results_.end()) {
-        last_ = known->second;
+      if (const Remembered* const known = recall(node, placements_[placement])) {
+        last_ = known->result;
         return;
       }
     }
     if (is_leaf(node)) {
       last_ = lower_primitive(node, placements_[placement]);
-      if (!has_one_way) results_.emplace(std::pair(&node, placements_[placement]), last_);
+      if (!has_one_way) remember(node, placements_[placement]);
       return;
     }
     pending_ = true;
@@ -186,7 +187,7 @@ class Lowering {
     const Visit& visit = stack_.back();
     last_ = visit.folded;
     last_.distance = finish(*visit.node, placements_[visit.placement], last_.distance);
-    if (visit.is_remembered) results_.emplace(std::pair(visit.node, placements_[visit.placement]), last_);
+    if (visit.is_remembered) remember(*visit.node, placements_[visit.placement]);
     placements_.resize(visit.branches);
     stack_.pop_back();
     if (!stack_.empty()) fold(stack_.back());
@@ -344,20 +345,38 @@ class Lowering {
     return entry->second;
   }
 
-  struct PlacedHash {
-    std::size_t operator()(const std::pair<const Node*, Placement>& key) const noexcept {
-      std::uint64_t hash = PlacementHash()(key.second);
-      mix(hash, reinterpret_cast<std::uintptr_t>(key.first));
-      return hash;
-    }
+  /// What a node has become at a placement.
+  struct Remembered {
+    const Node* node;
+    Placement placement;
+    Result result;
   };
+
+  static std::uint64_t placed_hash(const Node& node, const Placement& placement) {
+    std::uint64_t hash = hash_of(placement);
+    mix(hash, reinterpret_cast<std::uintptr_t>(&node));
+    return hash;
+  }
+
+  const Remembered* recall(const Node& node, const Placement& placement) const {
+    const std::uint32_t found = places_remembered_.find(placed_hash(node, placement), [&](std::uint32_t place) {
+      return remembered_[place - 1].node == &node && remembered_[place - 1].placement == placement;
+    });
+    return found == 0 ? nullptr : &remembered_[found - 1];
+  }
+
+  void remember(const Node& node, const Placement& placement) {
+    remembered_.push_back({&node, placement, last_});
+    places_remembered_.insert(placed_hash(node, placement), static_cast<std::uint32_t>(remembered_.size()));
+  }
 
   const FactTable& facts_;
   LoweringOf what_;
   DataFlow flow_;
   ExpressionLowering expressions_;
   std::vector<Placement> placements_;  ///< of the nodes on the stack
-  std::unordered_map<std::pair<const Node*, Placement>, Result, PlacedHash> results_;
+  std::vector<Remembered> remembered_;
+  HashTable<std::uint32_t> places_remembered_;  ///< indices into remembered_, plus 1
   std::vector<Visit> stack_;
   Result last_;           ///< of the node that ended last
   bool pending_ = false;  ///< enter() began a node that has yet to end

@@ -65,7 +65,7 @@ std::array<ValueId, 3> nearest_cell(const std::array<ValueId, 3>& frame, const s
 
 }  // namespace
 
-std::size_t PlacementHash::operator()(const Placement& placement) const noexcept {
+std::uint64_t hash_of(const Placement& placement) {
   std::uint64_t hash = static_cast<std::uint32_t>(placement.material);
   for (const ValueId value : placement.frame) mix(hash, value);
   for (const ValueId value : placement.normal) mix(hash, value);

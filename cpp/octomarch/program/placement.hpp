@@ -26,9 +26,7 @@ struct Placement {
   friend bool operator==(const Placement&, const Placement&) = default;
 };
 
-struct PlacementHash {
-  std::size_t operator()(const Placement& placement) const noexcept;
-};
+std::uint64_t hash_of(const Placement& placement);
 
 /// The placement of the child of a kTranslate, kRotate or kScale node.
 Placement child_placement(const Placement& parent, const Node& transform);
