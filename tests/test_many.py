@@ -173,6 +173,18 @@ def test_quarter_turns_off_by_rounding_are_exact(degrees: float, kind: Any):
     assert BRICK.instances([matrix]) == BRICK.scale(2).rotate(degrees, "z")
 
 
+@pytest.mark.parametrize("kind", [np.float32, np.float64])
+@pytest.mark.parametrize("factor", [1, 2, 0.3, 1.7, 1e-3])
+def test_flat_shapes_stay_flat_when_turned_in_their_plane(factor: float, kind: Any):
+    matrices = [turned_by_numpy(degrees, kind) for degrees in (0, 1, 33, 60, 90, 123.4, 180.5, 270)]
+    for matrix in matrices:
+        matrix[:3, :3] *= factor
+        matrix[:2, 3] = 1, 2
+    om.rectangle((1, 2)).instances(matrices).extrude(1)
+    with pytest.raises(ValueError, match="flat"):
+        om.rectangle((1, 2)).instances([placed(rotation(1e-5, "x"))]).extrude(1)
+
+
 def test_small_turns_are_not_lost():
     assert BRICK.instances([turned_by_numpy(1e-9, np.float64)]) != BRICK
     assert BRICK.instances([turned_by_numpy(90 + 1e-9, np.float64)]) != BRICK.rotate(90, "z")

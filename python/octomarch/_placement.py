@@ -109,8 +109,9 @@ class Placement(Field):
         matrices : array_like of float, shape (n, 3, 4) or (n, 4, 4)
             At least one, ``world_from_shape``: a point p of the shape comes to ``matrix[:3, :3] @ p + matrix[:3, 3]``.
             The first three columns must be a rotation R times one factor > 0, up to 1e-5 in the entries of
-            ``R.T @ R``; the nearest rotation and the mean factor are taken. A quarter turn or a factor of 1 that is
-            off by a few roundings of the numbers given is set right. The last row of (4, 4) is (0, 0, 0, 1).
+            ``R.T @ R``; the nearest rotation and the mean factor are taken. A quarter turn, a turn about a coordinate
+            axis or a factor of 1 that is off by a few roundings of the numbers given is set right. The last row of
+            (4, 4) is (0, 0, 0, 1).
         smooth : float
             Blend distance k ≥ 0; see `union`.
 

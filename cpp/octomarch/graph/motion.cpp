@@ -47,16 +47,30 @@ Mat3 nearer_rotation(const Mat3& m) {
   return result;
 }
 
-/// The nearest rotation of a matrix within the tolerance of one. A quarter turn that is off by `rounding` at the most is
-/// exact again; what is orthonormal up to rounding stays as it is.
+/// Where a matrix takes one coordinate axis to another but for `rounding`, it is made to: so quarter turns are exact, and
+/// what is flat stays so when it is turned in its plane.
+Mat3 axes_set_right(Mat3 m, double rounding) {
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 3; ++column) {
+      double across = 0.0;
+      for (std::size_t other = 0; other < 3; ++other) {
+        if (other != column) across = std::fmax(across, std::fabs(m[3 * row + other]));
+        if (other != row) across = std::fmax(across, std::fabs(m[3 * other + column]));
+      }
+      const double along = m[3 * row + column];
+      if (across > rounding || std::fabs(std::fabs(along) - 1.0) > rounding) continue;
+      for (std::size_t other = 0; other < 3; ++other) m[3 * row + other] = m[3 * other + column] = 0.0;
+      m[3 * row + column] = std::copysign(1.0, along);
+    }
+  }
+  return m;
+}
+
+/// The nearest rotation of a matrix within the tolerance of one. What is orthonormal up to rounding stays as it is.
 Mat3 nearest_rotation(const Mat3& given, double rounding) {
-  Mat3 whole{};
-  std::ranges::transform(given, whole.begin(), [](double entry) { return std::nearbyint(entry) + 0.0; });
-  const bool is_quarter_turn =
-      std::ranges::equal(given, whole, [rounding](double a, double b) { return std::fabs(a - b) <= rounding; });
-  if (is_quarter_turn) return whole;
   constexpr double kRoundedOnly = 0x1p-50;
-  return skewness(given) <= kRoundedOnly ? given : nearer_rotation(nearer_rotation(given));
+  const Mat3 m = axes_set_right(given, rounding);
+  return skewness(m) <= kRoundedOnly ? m : nearer_rotation(nearer_rotation(m));
 }
 
 double mean(const std::array<double, 3>& numbers) {

@@ -20,8 +20,8 @@ struct Motion {
   Vec3 offset;
 };
 
-/// The motion nearest to a matrix parent_from_child, three rows of four numbers, that is one up to the tolerance. A quarter
-/// turn or a factor of 1 that is off by `rounding` or less is set right. Throws ArgumentError that names `argument` and
+/// The motion nearest to a matrix parent_from_child, three rows of four numbers, that is one up to the tolerance. A turn
+/// about a coordinate axis, a quarter turn or a factor of 1 that is off by `rounding` or less is set right. Throws ArgumentError that names `argument` and
 /// shows the matrix where it is too far from a motion.
 Motion motion_of(std::span<const double, Motion::kNumbers> matrix, double rounding, std::string_view argument);
 
