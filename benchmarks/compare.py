@@ -114,6 +114,7 @@ def main() -> None:
     description = machine.describe(None)
     if (busy := description["busy_processors_before"]) and busy > QUIET:
         print(f"Other work keeps {busy} processors busy: these figures will not be worth keeping.", file=sys.stderr)
+    others = machine.OtherWork()
     rows: list[dict[str, Any]] = []
     milliseconds: dict[str, Any] = {}
     for scene, mode, n in plan(chosen):
@@ -125,6 +126,7 @@ def main() -> None:
         milliseconds[f"{scene}/{n}/{mode}"] = times
     for entry in entries:
         entry.close()
+    description["busy_processors_during"] = others.busy_processors()
     description["busy_processors_after"] = machine.busy_processors()
     result = {
         "machine": description,

@@ -49,6 +49,24 @@ def busy_processors(seconds: float = 1.0) -> float | None:
     return round((1.0 - idle / max(total, 1)) * (os.cpu_count() or 1), 2)
 
 
+class OtherWork:
+    """Tells, once processes that belong to a run have ended, how many processors others kept busy since it began."""
+
+    def __init__(self) -> None:
+        self._begin, self._own = _ticks(), self._used()
+
+    def busy_processors(self) -> float:
+        (idle, total), (idle_before, total_before) = _ticks(), self._begin
+        share = 1.0 - (idle - idle_before) / max(total - total_before, 1)
+        seconds = (total - total_before) / os.sysconf("SC_CLK_TCK") / (os.cpu_count() or 1)
+        return round(max(share * (os.cpu_count() or 1) - (self._used() - self._own) / max(seconds, 1e-3), 0.0), 2)
+
+    @staticmethod
+    def _used() -> float:
+        times = os.times()
+        return times.user + times.system + times.children_user + times.children_system
+
+
 def _ticks() -> tuple[int, int]:
     """Return idle ticks (waiting for input and output included) and all ticks since the machine started."""
     ticks = [int(text) for text in Path("/proc/stat").read_text(encoding="ascii").splitlines()[0].split()[1:]]

@@ -186,14 +186,14 @@ def winners(result: Result) -> str:
 def how(result: Result) -> str:
     """Return on what and with what was measured."""
     machine, settings = result["machine"], result["settings"]
-    busy = machine.get("busy_processors_before"), machine.get("busy_processors_after")
+    busy, processors = machine.get("busy_processors_during", "an unknown number"), machine["processor"]["processors"]
     tabled = [row for row in result["rows"] if row["status"] == "ok" and row["n"] in (0, settings["table_n"])]
     rounds = sorted({row["rounds"] for row in tabled})
     width, height = settings["size"]
     return (
         f"{machine['processor']['model']}, {machine['date'][:10]}, octomarch {machine['octomarch']} at "
         f"{machine['commit']}, {width}×{height}, medians and quartiles of {'–'.join(map(str, rounds))} rounds, "
-        f"milliseconds of processor time; other work kept {busy[0]} processors busy before and {busy[1]} after."
+        f"milliseconds of processor time; other work kept {busy} of {processors} processors busy."
     )
 
 
