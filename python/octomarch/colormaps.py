@@ -120,7 +120,7 @@ def _share(
     high = float(finite.max(initial=-np.inf)) if high is None else high
     if not low < high:  # one value only, or all of them beyond the one limit that was given
         return np.where(numbers > high, 1.0, 0.0)
-    # halves, since the difference of two numbers need not be one; brought within the limits first, since a share need not
+    # halves, since the difference of two numbers need not be one; brought within the limits first: a share need not
     return (np.clip(numbers, low, high) / 2 - low / 2) / (high / 2 - low / 2)
 
 

@@ -57,24 +57,6 @@ bool is_leaf(const Node& node) { return node.children().empty() || !is_shape(nod
 /// A shape that is emitted as soon as it is looked up: emission finds what it has emitted before all the same.
 bool is_one_instruction(const Node& node) { return node.children().empty() && node.kind() != NodeKind::kPolygon; }
 
-/// Do nodes of this kind, standing at different places, place their child at different ones (up to rounding)?
-bool keeps_places_apart(NodeKind kind) {
-  switch (kind) {
-    case NodeKind::kUnion:
-    case NodeKind::kIntersection:
-    case NodeKind::kDifference:
-    case NodeKind::kMetaballs:
-    case NodeKind::kComplement:
-    case NodeKind::kRound:
-    case NodeKind::kShell:
-    case NodeKind::kDisplace:
-    case NodeKind::kTranslate:
-    case NodeKind::kRotate:
-    case NodeKind::kScale: return true;
-    default: return false;
-  }
-}
-
 /// Walks the graph with a stack of its own, since graphs may be deeper than the machine's.
 class Lowering {
  public:
@@ -105,7 +87,7 @@ class Lowering {
   struct Visit {
     const Node* node;
     PlacementId placement;
-    bool is_remembered;
+    bool is_met_once;
     PlacementId branches;      ///< the first of its one shape's placements, which end placements_ while that is lowered
     std::size_t branch_count;  ///< 0: every child stands at `placement`
     std::size_t done = 0;
@@ -114,13 +96,13 @@ class Lowering {
     std::size_t count() const { return branch_count == 0 ? node->children().size() : branch_count; }
   };
 
-  /// Begins a node, or takes what it has become before at this placement, where that could be.
-  void enter(const Node& node, PlacementId placement, bool has_one_way) {
+  /// Begins a node, or takes what it has become before at this placement. `is_met_once`: it cannot have been met.
+  void enter(const Node& node, PlacementId placement, bool is_met_once) {
     if (is_one_instruction(node)) {
       last_ = lower_primitive(node, placements_[placement]);
       return;
     }
-    if (!has_one_way) {
+    if (!is_met_once) {
       if (const Remembered* const known = recall(node, placements_[placement])) {
         last_ = known->result;
         return;
@@ -128,13 +110,13 @@ class Lowering {
     }
     if (is_leaf(node)) {
       last_ = lower_primitive(node, placements_[placement]);
-      if (!has_one_way) remember(node, placements_[placement]);
+      if (!is_met_once) remember(node, placements_[placement]);
       return;
     }
     pending_ = true;
     const PlacementId branches = placements_.size();
     add_branches(node, placement);
-    stack_.push_back({&node, placement, !has_one_way, branches, placements_.size() - branches});
+    stack_.push_back({&node, placement, is_met_once, branches, placements_.size() - branches});
   }
 
   /// Placements at which the one shape among a node's children is wanted; none where there are several.
@@ -175,10 +157,9 @@ class Lowering {
     if (visit.done == visit.count()) return end();
     const bool several = visit.branch_count == 0;
     const NodePtr& child = visit.node->children()[several ? visit.done : 0];
-    // nodes with several owners, and below nodes that bring different places together, come here by several ways
-    const bool has_one_way = has_one_owner(child) && keeps_places_apart(visit.node->kind());
+    const bool is_met_once = visit.is_met_once && visit.branch_count <= 1 && has_one_owner(child);
     pending_ = false;
-    enter(*child, several ? visit.placement : visit.branches + visit.done, has_one_way);
+    enter(*child, several ? visit.placement : visit.branches + visit.done, is_met_once);
     if (!pending_) fold(stack_.back());
   }
 
@@ -187,7 +168,7 @@ class Lowering {
     const Visit& visit = stack_.back();
     last_ = visit.folded;
     last_.distance = finish(*visit.node, placements_[visit.placement], last_.distance);
-    if (visit.is_remembered) remember(*visit.node, placements_[visit.placement]);
+    if (!visit.is_met_once) remember(*visit.node, placements_[visit.placement]);
     placements_.resize(visit.branches);
     stack_.pop_back();
     if (!stack_.empty()) fold(stack_.back());
