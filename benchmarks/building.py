@@ -131,12 +131,13 @@ def main() -> None:
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
         "commit": machine.commit(),
         "processor": machine.processor(),
-        "busy_processors_before": machine.busy_processors(),
         "octomarch": om.__version__,
         "numpy": np.__version__,
     }
+    other_work = machine.OtherWork()
     with tempfile.TemporaryDirectory() as folder:
         rows = [asdict(measure(name, n, chosen.repeat, Path(folder))) for name in SHAPES for n in chosen.n]
+    about["busy_processors_during"] = other_work.busy_processors()
     result = {"machine": about, "rounds": chosen.repeat, "rows": rows}
     print(hand_tables.building(result))
     chosen.out.write_text(json.dumps(result, indent=1) + "\n")

@@ -129,6 +129,10 @@ def building(result: Result) -> str:
     for row in result["rows"]:
         times = " | ".join(f"{row[stage]:.3g}" for stage in STAGES)
         lines.append(f"| {row['shapes']} | {row['n']:,} | {times} | {row['megabytes']:.2g} |")
-    model, date = result["machine"]["processor"]["model"], result["machine"]["date"][:10]
-    words = f"{model}, {date}, at {result['machine']['commit']}: medians of {result['rounds']} rounds, processor time."
+    machine, processor = result["machine"], result["machine"]["processor"]
+    words = (
+        f"{processor['model']}, {machine['date'][:10]}, at {machine['commit']}: medians of {result['rounds']} rounds, "
+        f"processor time; other work kept {machine.get('busy_processors_during')} of {processor['processors']} "
+        "processors busy."
+    )
     return "\n".join([*lines, "", words])
