@@ -43,7 +43,7 @@ class Row:
 
 
 def measure(scene: om.Scene, truth: om.Image, max_steps: int, far: float | None) -> Row:
-    march = om.March(max_steps=max_steps, max_distance=far)
+    march = om.March("plain", max_steps=max_steps, max_distance=far)
     image = om.render(scene, CAMERA, SIZE, march=march, planes=("depth", "status"))
     wanted = truth.depth <= (np.inf if far is None else far)
     wanted &= truth.status == om.Status.HIT

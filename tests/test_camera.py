@@ -61,7 +61,7 @@ def test_the_footprint_of_a_panorama_is_half_the_angle_of_a_row(isa: str):
     """A ray along a plane ends where the tolerance, which grows with its pixel, has reached the plane's height."""
     height, rows, tolerance = 0.01, 18, 0.5
     camera = om.PanoramicCamera((0, height, 0), (1, height, 0), fov=(10, 20))
-    march = om.March(epsilon=0, pixel_tolerance=tolerance, max_distance=1e3, finish=None)
+    march = om.March("plain", epsilon=0, pixel_tolerance=tolerance, max_distance=1e3, finish=None)
     settings = {"march": march, "planes": ("position", "depth", "status")}
     image = om.render(om.plane(), camera, (1, rows), isa=isa, **settings)
     pixel = np.radians(20) / rows / 2

@@ -49,6 +49,7 @@ except KeyboardInterrupt:
 
 SMALL = "shape = om.sphere(1.0).union(om.box(1.5), smooth=0.25) | om.plane(point=(0, -1, 0))"
 LARGE = "shape = om.union(*(om.sphere(0.05, center=c) for c in centers), smooth=0.01); om.compile(shape)"
+WAVES = "x, y, z = om.coordinates(); shape = om.field(sum(om.sin(x * k + y) for k in range(4000)))"
 GRAZED = "shape = om.plane(); camera = om.Camera((0, 1e-3, 0), (1, 0, 0), fov=0.01)"
 MIRRORS = f"{LARGE}; shape = shape.paint(om.Material(0.5, reflectivity=1)) | om.plane(point=(0, -1, 0))"
 WORK = {
@@ -70,8 +71,8 @@ WORK = {
     ),
     "reflections": (MIRRORS, "om.render(shape, camera, (4000, 4000), progress=note, shading=om.Shading(bounces=64))"),
     "a picture to be saved": (SMALL, "om.render(shape, camera, (16000, 16000), progress=note).save('picture.exr')"),
-    "a large field": (LARGE, "shape.distance(np.zeros((10**7, 3)))"),
-    "a large gradient": (LARGE, "shape.gradient(np.zeros((10**7, 3)))"),
+    "a large field": (WAVES, "shape.distance(np.zeros((10**7, 3)))"),
+    "a large gradient": (WAVES, "shape.gradient(np.zeros((10**7, 3)))"),
     "many rays": (LARGE, "shape.raycast(np.full((10**6, 3), 3.0), np.full((10**6, 3), -1.0))"),
 }
 

@@ -148,7 +148,7 @@ ROOM = om.union(
 LIGHTS = [om.DirectionalLight((-1, -2, -1), 0.8), om.SpotLight((3, 4, 2), target=(0, 0, 0), color=20)]
 SCENE = om.Scene(ROOM, lights=LIGHTS, ambient=(0.2, 0.25, 0.3))
 CAMERA = om.Camera((3, 2, 4), (0, 0, 0))
-OPTIONS = {"shading": om.Shading(bounces=3), "planes": ("color",)}
+OPTIONS = {"march": om.March("plain"), "shading": om.Shading(bounces=3), "planes": ("color",)}
 
 
 def test_reflections_have_equal_bits_on_all_isas_and_threads(precision: str):

@@ -11,5 +11,5 @@ from _quality import CAMERA, street
 
 import octomarch as om
 
-image = om.render(street(), CAMERA, march=om.March(max_steps=512))
+image = om.render(street(), CAMERA, march=om.March("plain", max_steps=512))
 image.save(sys.argv[1] if sys.argv[1:] else "quality_512.png")

@@ -165,6 +165,7 @@ class March(metaclass=_Bound):
         bias: float,
         step: float,
         finish: bool,
+        prune: bool,
     ) -> None: ...
     @property
     def method(self) -> str: ...
@@ -184,6 +185,8 @@ class March(metaclass=_Bound):
     def step(self) -> float: ...
     @property
     def finish(self) -> bool: ...
+    @property
+    def prune(self) -> bool: ...
 
 @final
 class Shading(metaclass=_Bound):

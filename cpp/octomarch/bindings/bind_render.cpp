@@ -38,12 +38,13 @@ py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned 
                     double seconds) {
   const kernels::Counters& primary = stats.primary;
   kernels::Counters marches;
-  for (const kernels::Counters* part : {&primary, &stats.shadow, &stats.reflection}) add(marches, *part);
+  for (const kernels::Counters* part : {&stats.cones, &primary, &stats.shadow, &stats.reflection}) add(marches, *part);
   py::dict dict;
   dict["isa"] = isa.name;
   dict["precision"] = precision;
   dict["threads"] = threads;
   dict["rays"] = stats.rays;
+  dict["cone_evaluations"] = stats.cones.evaluations;
   dict["primary_evaluations"] = primary.evaluations;
   dict["gradient_evaluations"] = stats.gradient_evaluations;
   dict["attribute_evaluations"] = stats.attribute_evaluations;
@@ -57,6 +58,8 @@ py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned 
   dict["packets"] = marches.packets;
   const auto used = static_cast<double>(marches.evaluations);
   dict["occupancy"] = marches.lane_slots == 0 ? 1.0 : used / static_cast<double>(marches.lane_slots);
+  dict["cells"] = stats.cells;
+  dict["cell_bytes"] = stats.cell_bytes;
   dict["seconds_march"] = stats.seconds_march;
   dict["seconds_shade"] = stats.seconds_shade;
   dict["seconds_reflect"] = stats.seconds_reflect;

@@ -22,7 +22,11 @@ constexpr Names<LightKind, 3> kLights{
 constexpr Names<CameraKind, 3> kCameras{{{"perspective", CameraKind::kPerspective},
                                          {"orthographic", CameraKind::kOrthographic},
                                          {"panoramic", CameraKind::kPanoramic}}};
-constexpr Names<Method, 2> kMethods{{{"plain", Method::kPlain}, {"fixed", Method::kFixed}}};
+constexpr Names<Method, 5> kMethods{{{"auto", Method::kAuto},
+                                     {"plain", Method::kPlain},
+                                     {"relaxed", Method::kRelaxed},
+                                     {"enhanced", Method::kEnhanced},
+                                     {"fixed", Method::kFixed}}};
 constexpr Names<Normals, 3> kNormals{
     {{"exact", Normals::kExact}, {"central", Normals::kCentral}, {"tetrahedron", Normals::kTetrahedron}}};
 constexpr Names<Shadows, 3> kShadows{{{"none", Shadows::kNone}, {"hard", Shadows::kHard}, {"soft", Shadows::kSoft}}};
@@ -84,7 +88,7 @@ void register_camera(py::module_& module) {
 void register_settings(py::module_& module) {
   py::class_<March>(module, "March", py::is_final())
       .def(py::init([](const std::string& method, int max_steps, double epsilon, double pixel_tolerance,
-                       double max_distance, double min_distance, double bias, double step, bool finish) {
+                       double max_distance, double min_distance, double bias, double step, bool finish, bool prune) {
              return March{parse("method", method, kMethods),
                           max_steps,
                           epsilon,
@@ -93,10 +97,12 @@ void register_settings(py::module_& module) {
                           min_distance,
                           bias,
                           step,
-                          finish};
+                          finish,
+                          prune};
            }),
            py::arg("method"), py::arg("max_steps"), py::arg("epsilon"), py::arg("pixel_tolerance"),
-           py::arg("max_distance"), py::arg("min_distance"), py::arg("bias"), py::arg("step"), py::arg("finish"))
+           py::arg("max_distance"), py::arg("min_distance"), py::arg("bias"), py::arg("step"), py::arg("finish"),
+           py::arg("prune"))
       .def_property_readonly("method", name_of(&March::method, kMethods))
       .def_readonly("max_steps", &March::max_steps)
       .def_readonly("epsilon", &March::epsilon)
@@ -105,7 +111,8 @@ void register_settings(py::module_& module) {
       .def_readonly("min_distance", &March::min_distance)
       .def_readonly("bias", &March::bias)
       .def_readonly("step", &March::step)
-      .def_readonly("finish", &March::finish);
+      .def_readonly("finish", &March::finish)
+      .def_readonly("prune", &March::prune);
   py::class_<Shading>(module, "Shading", py::is_final())
       .def(py::init([](const std::string& normals, double normal_step, const std::string& shadows, double shadow_k,
                        int occlusion, double occlusion_distance, int bounces, double reflection_cutoff,

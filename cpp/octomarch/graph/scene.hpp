@@ -85,7 +85,10 @@ struct Crop {
   std::uint32_t width, height;
 };
 
-enum class Method : std::uint8_t { kPlain, kFixed };
+enum class Method : std::uint8_t { kAuto, kPlain, kRelaxed, kEnhanced, kFixed };
+
+/// Do a method's steps have a least length, and end in the solid?
+constexpr bool is_fixed(Method method) { return method == Method::kFixed; }
 
 /// How rays are marched; r is the field over its Lipschitz bound. Plain: a ray has hit where r ≤ eps(t), else it goes on
 /// by r, or with a bias by max(r − bias, r/2). Fixed: it has hit where r ≤ 0, else it goes on by
@@ -95,7 +98,7 @@ enum class Method : std::uint8_t { kPlain, kFixed };
 /// pixel_radius(t) is half the height of a pixel at parameter t (0 for queries, where there is no pixel). Where steps are
 /// fixed, a step's accuracy() stands in for a smaller epsilon, so that rays that leave a surface leave it.
 struct March {
-  Method method = Method::kPlain;
+  Method method = Method::kAuto;
   int max_steps = 256;           ///< evaluations per ray at the most, ≥ 1
   double epsilon = 1e-4;         ///< absolute, scene units, ≥ 0
   double pixel_tolerance = 0.1;  ///< in pixel radii, ≥ 0
@@ -106,9 +109,10 @@ struct March {
   /// Refine hits. Plain: by the secant through the last two samples, unless it leaves eps/16. Fixed: by ten halvings of
   /// the last step.
   bool finish = true;
+  bool prune = true;  ///< run long programs in parts, cell by cell: to the same results
 
   /// How far off hits of fixed steps lie; else 0.
-  double accuracy() const { return method == Method::kPlain ? 0.0 : (finish ? step / 1024.0 : step); }
+  double accuracy() const { return !is_fixed(method) ? 0.0 : (finish ? step / 1024.0 : step); }
   /// The absolute part of the hit epsilon.
   double least_epsilon() const { return epsilon > accuracy() ? epsilon : accuracy(); }
 };

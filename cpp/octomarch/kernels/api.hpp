@@ -11,6 +11,7 @@
 
 #include "octomarch/kernels/block.hpp"
 #include "octomarch/program/instruction.hpp"
+#include "octomarch/program/region.hpp"
 
 namespace octomarch::kernels {
 
@@ -35,7 +36,7 @@ struct TapeView {
   const ImageView* images;
 };
 
-/// One input of a ray: an array (any alignment, exactly `count` long), or one value for all.
+/// One input of a ray: an array, or one value for all.
 template <class Real>
 struct Column {
   const Real* values = nullptr;
@@ -49,22 +50,34 @@ struct Vectors {
   Real* z;
 };
 
-/// Rays o + t·d, d of unit length, searched on [t_min, t_max]; eps(t) = max(epsilon, slope·t). A ray whose origin or
+/// Rays o + t·d, d of unit length, searched on [start, t_max]; eps(t) = max(epsilon, slope·t). A ray whose origin or
 /// direction holds a NaN or an infinity is invalid; callers make directions without a length NaN.
 template <class Real>
 struct RayView {
   Column<Real> ox, oy, oz;
   Column<Real> dx, dy, dz;
+  Column<Real> start;    ///< t of the first sample, ≥ 0
   Column<Real> t_max;    ///< finite
   Column<Real> epsilon;  ///< absolute part of the hit epsilon
   std::size_t count;
+
+  /// `number` rays from the i-th on.
+  RayView from(std::size_t i, std::size_t number) const {
+    const auto moved = [i](const Column<Real>& column) {
+      return Column<Real>{column.values == nullptr ? nullptr : column.values + i, column.value};
+    };
+    return {moved(ox), moved(oy),    moved(oz),    moved(dx),      moved(dy),
+            moved(dz), moved(start), moved(t_max), moved(epsilon), number};
+  }
 };
 
 /// How rays are stepped.
 enum class Stepping : std::uint8_t {
-  kPlain,   ///< from t = 0 by the whole field
-  kBiased,  ///< from t_min by the field less a bias
-  kFixed,   ///< from t_min by the field less a bias, but `step` and the hit epsilon at the least, into the solid
+  kPlain,     ///< by the whole field
+  kBiased,    ///< by the field less a bias
+  kRelaxed,   ///< by 1.6 times the field until that was too much, and the ray had to go back
+  kEnhanced,  ///< by what the field's slope along the ray lets hope, and back where that was too much
+  kFixed,     ///< by the field less a bias, but `step` and the hit epsilon at the least, into the solid
 };
 
 template <class Real>
@@ -75,8 +88,8 @@ struct MarchParameters {
   bool finish;            ///< refine hits: by the secant, for kFixed by bisection
   const bool* cancelled;  ///< polled at every block step; a cancelled kernel returns early with partial output
   Stepping stepping;
-  Real t_min;  ///< 0 for kPlain
-  Real bias;   ///< 0 for kPlain
+  Real t_min;  ///< a ray that has arrived there is inside
+  Real bias;   ///< for kBiased and kFixed
   Real step;   ///< for kFixed
 };
 
@@ -87,12 +100,41 @@ struct Counters {
   std::uint64_t packets = 0;      ///< packets that were loaded
 };
 
+/// What stopped a ray that is being marched.
+enum class Pause : std::uint8_t {
+  kEnded,  ///< it has arrived at t ≤ t_max, or is past t_max, or t is NaN
+  kLeft,   ///< its next sample, at t, is outside of the region
+  kSpent,  ///< its steps
+};
+
+/// What r of the sample before the first and the step from it are set to: any sphere touches that one, and the slope from it
+/// is −1.
 template <class Real>
-struct MarchOutput {
-  Real* t;               ///< see Status; +inf for misses and invalid rays. Any alignment, exactly `count` long
-  Real* unfinished;      ///< scratch for the finish, `count` long; may be null without it
-  std::uint8_t* status;  ///< octomarch::Status; null when not wanted
-  std::int32_t* steps;   ///< evaluations of each ray; null when not wanted
+inline constexpr Real kNothingBefore = Real(1e30);
+
+/// Rays in the course of a march, one element a ray: begin_march fills it, march goes on with it, conclude reads it.
+template <class Real>
+struct MarchState {
+  Real* t;              ///< of the next sample, or of the last
+  Real* radius;         ///< the field at the last sample
+  Real* before;         ///< what the task carries: r of the sample before, or its t, or a visibility
+  Real* stride;         ///< the last step; for relaxed steps only, as the next
+  Real* boldness;       ///< see LongSteps
+  std::uint8_t* pause;  ///< Pause
+  std::int32_t* steps;  ///< evaluations of each ray, exactly `count` long, any alignment; null when not wanted
+};
+
+/// Cones about blocks of rays: points o + t·d, from which no ray of the block is farther than width + t·spread.
+template <class Real>
+struct ConeView {
+  std::size_t count;
+  Vectors<Real> origin;
+  Vectors<Real> direction;
+  Real* width;
+  Real* spread;
+  Real* epsilon;  ///< the largest of the rays'
+  Real* t_max;    ///< likewise
+  Real* t;
 };
 
 /// A pinhole or parallel camera: pixel (i, j) looks along, or from, corner + (i + point₀)·right + (j + point₁)·down.
@@ -105,13 +147,14 @@ struct CameraView {
   Real point[2];  ///< in the pixel, from its upper left corner; (½, ½) is its centre
 };
 
-/// A rectangle of pixels, in packets of kPacketWidth × kPacketHeight, row by row: ray (packet·8 + lane) is pixel
-/// (x + lane % 4, y + lane / 4) of its packet. Rays of pixels outside width × height are NaN.
+/// A rectangle of pixels in blocks of kBlockEdge × kBlockEdge, row by row, each block in packets, each packet in pixels
+/// likewise. Rays of pixels outside of the picture are NaN.
 struct TileView {
-  std::uint32_t x, y;  ///< first pixel, in the planes
-  std::uint32_t packets_across, packets_down;
-  std::uint32_t width, height;  ///< of the planes
-  std::uint32_t left, top;      ///< where the planes begin in the whole picture
+  std::uint32_t x, y;  ///< first pixel; multiples of kBlockEdge
+  std::uint32_t blocks_across, blocks_down;
+  std::uint32_t width, height;  ///< of the picture
+
+  std::size_t rays() const { return std::size_t{blocks_across} * blocks_down * kLanes; }
 };
 
 /// Where the field is sampled around a point: at point + step·offset for each offset. The direction found is the sum of
@@ -173,13 +216,40 @@ struct MaterialView {
 template <class Real>
 struct KernelTable {
   void (*camera_rays)(const CameraView<Real>&, const TileView&, const Vectors<Real>& out);
-  /// Marches any number of rays in refilled blocks.
+  /// Puts a cone about each block of kLanes rays, t at t_min. Rays that are NaN count for nothing; without any a cone is NaN.
+  void (*fit_cones)(const RayView<Real>&, const MarchParameters<Real>&, const ConeView<Real>&);
+  /// The points of cones at their t.
+  void (*cone_points)(const ConeView<Real>&, const Vectors<Real>& points);
+  /// Moves cones on, up to where none of their rays meets anything, from the field at their points. `live`: bit = cone, of
+  /// 64 at the most; returns which go on, the others being so narrow that rays gain little.
+  std::uint64_t (*step_cones)(const ConeView<Real>&, const MarchParameters<Real>&, const Real* field,
+                              std::uint64_t live);
+  /// Rays at their start; t is NaN where anything of the ray is not finite, and past the end. `carried`: what `before` holds
+  /// at first.
+  void (*begin_march)(const RayView<Real>&, const MarchParameters<Real>&, Real carried, const MarchState<Real>&);
+  /// Marches rays in refilled blocks until each is paused. `region`: of the tape, in which all next samples lie; null where
+  /// it may be run everywhere. rays.start is not read.
   void (*march)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
-                const MarchOutput<Real>&, Counters&);
-  /// Visibility of each ray's far end: 0 where something is hit, else min over samples of k·r/t, at most 1
-  /// (k = +inf: hard shadows). `visibility`: exactly `count` long. Nothing is finished.
-  void (*shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&, Real k,
-                 Real* visibility, Counters&);
+                const Region<Real>* region, const MarchState<Real>&, Counters&);
+  /// The same for shadow rays: `before` is the visibility of each ray's far end so far, the least of k·r/t and 1 over
+  /// samples (k = +inf: hard shadows). Steps are never relaxed.
+  void (*march_shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&, Real k,
+                       const Region<Real>* region, const MarchState<Real>&, Counters&);
+  /// What shadow rays let through: 0 where they met something.
+  void (*visibility)(const RayView<Real>&, const MarchState<Real>&, Real* out);
+  /// What became of rays that have ended or are spent: octomarch::Status, and t, +inf for misses and invalid rays.
+  void (*conclude)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&, std::uint8_t* status);
+  /// Ends of the secants of hits, and the points there; NaN for other rays and for hits that have been followed. Returns how
+  /// many there are.
+  std::size_t (*secants)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&,
+                         const std::uint8_t* status, Real* ends, const Vectors<Real>& points);
+  /// Moves hits to those ends, or a little farther, where the field there says that they are better. Some are to be followed
+  /// once more.
+  void (*follow_secants)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&,
+                         const std::uint8_t* status, const Real* ends, const Real* field);
+  /// Halves the last step of hits of fixed steps.
+  void (*bisect)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
+                 const MarchState<Real>&, const std::uint8_t* status, Counters&);
   /// The tape's result at points; NaN at NaN points. This and the next two poll `cancelled` at every block.
   void (*distance)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
                    const bool* cancelled, Real* out);
@@ -200,9 +270,12 @@ struct KernelTable {
   /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, where a ray grazes an edge
   /// within the hit epsilon, is turned until it is square to the ray.
   void (*face_rays)(const SurfaceView<Real>&);
-  /// Ambient visibility from `samples` points along the normal, up to `distance` away. `cancelled` is polled at each.
-  void (*occlusion)(const TapeView<Real>&, Real* registers, const SurfaceView<Real>&, int samples, Real distance,
-                    const bool* cancelled, Real* out);
+  /// Points at a height above the surface, where its occlusion is sampled.
+  void (*points_above)(const SurfaceView<Real>&, Real height, const Vectors<Real>& points);
+  /// Adds weight times what the field lacks there of the height.
+  void (*add_missing)(const Real* field, std::size_t count, Real height, Real weight, Real* missing);
+  /// Turns what is missing of what was expected into ambient visibility.
+  void (*occlusion)(std::size_t count, Real expected, Real* missing);
   /// Brings slots into their ranges: albedo ≥ 0, the others 0 … 1, NaN to 0. Fills exponent.
   void (*clamp_materials)(const MaterialView<Real>&, std::size_t count);
   /// Colours ≥ 0, NaN to 0.

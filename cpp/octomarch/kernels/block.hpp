@@ -10,13 +10,16 @@ inline constexpr std::size_t kPacketHeight = 2;  ///< pixels down
 inline constexpr std::size_t kPacketLanes = kPacketWidth * kPacketHeight;
 inline constexpr std::size_t kPackets = 8;                      ///< slots of a block
 inline constexpr std::size_t kLanes = kPackets * kPacketLanes;  ///< of a block, and of a register
+inline constexpr std::size_t kBlockEdge = 8;                    ///< pixels, of a block of camera rays
 inline constexpr std::size_t kAlignment = 64;                   ///< bytes: one AVX-512 batch, one cache line
 
-/// Rows of kLanes that a march needs beside its two register files: five busy and five quiet ones for each of two blocks.
-/// All lie in one piece, the busy rows of both blocks and the files first: rows a multiple of 4 KiB apart make loads wait
+/// Rows of kLanes that a march needs beside its two register files: five busy and five quiet ones for each of two blocks,
+/// and two more where steps are relaxed. All lie in one piece, the busy rows of both blocks and the files first: rows a multiple of 4 KiB apart make loads wait
 /// for stores that have nothing to do with them, and while a small program's busy rows fit into 4 KiB there are none. With
 /// files and state wherever the heap and the stack had them, equal runs differed by 20 % from process to process.
 inline constexpr std::size_t kBusyRows = 5;
-inline constexpr std::size_t kMarchRows = 4 * kBusyRows;
+inline constexpr std::size_t kQuietRows = 5;
+inline constexpr std::size_t kRelaxationRows = 2;
+inline constexpr std::size_t kMarchRows = 2 * (kBusyRows + kQuietRows + kRelaxationRows);
 
 }  // namespace octomarch::kernels

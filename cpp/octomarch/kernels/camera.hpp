@@ -7,48 +7,46 @@
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
 
+/// Columns and rows of a block's pixels, lane by lane.
+template <class Real>
+struct BlockPixels {
+  alignas(kAlignment) Real column[kLanes];
+  alignas(kAlignment) Real row[kLanes];
+
+  constexpr BlockPixels() : column{}, row{} {
+    constexpr std::size_t kPacketsAcross = kBlockEdge / kPacketWidth;
+    for (std::size_t lane = 0; lane < kLanes; ++lane) {
+      const std::size_t packet = lane / kPacketLanes;
+      column[lane] = static_cast<Real>(packet % kPacketsAcross * kPacketWidth + lane % kPacketWidth);
+      row[lane] = static_cast<Real>(packet / kPacketsAcross * kPacketHeight + lane / kPacketWidth % kPacketHeight);
+    }
+  }
+};
+
 template <class Real>
 void camera_rays(const CameraView<Real>& camera, const TileView& tile, const Vectors<Real>& out) {
   using T = Lanes<Real>;
-  constexpr Real kNone = std::numeric_limits<Real>::quiet_NaN();
-  alignas(kAlignment) Real columns[kLanes];
-  alignas(kAlignment) Real rows[kLanes];
-  const std::size_t packets = std::size_t{tile.packets_across} * tile.packets_down;
-  std::size_t i = tile.x;
-  std::size_t j = tile.y;
-  for (std::size_t first = 0; first < packets; first += kPackets) {
-    // Points of the pixels of a block of packets; those outside the planes become NaN, and so does their ray.
-    for (std::size_t slot = 0; slot < kPackets; ++slot) {
-      Real across[kPacketWidth];
-      Real down[kPacketHeight];
-      for (std::size_t x = 0; x < kPacketWidth; ++x) {
-        across[x] = i + x < tile.width ? static_cast<Real>(tile.left + i + x) + camera.point[0] : kNone;
-      }
-      for (std::size_t y = 0; y < kPacketHeight; ++y) {
-        down[y] = j + y < tile.height ? static_cast<Real>(tile.top + j + y) + camera.point[1] : kNone;
-      }
-      for (std::size_t lane = 0; lane < kPacketLanes; ++lane) {
-        columns[slot * kPacketLanes + lane] = across[lane % kPacketWidth];
-        rows[slot * kPacketLanes + lane] = down[lane / kPacketWidth];
-      }
-      i += kPacketWidth;
-      if (i >= tile.x + tile.packets_across * kPacketWidth) {
-        i = tile.x;
-        j += kPacketHeight;
-      }
-    }
+  static constexpr BlockPixels<Real> kPixels;
+  const T none = std::numeric_limits<Real>::quiet_NaN();
+  std::size_t first = 0;
+  for (std::size_t block = 0; block < std::size_t{tile.blocks_across} * tile.blocks_down; ++block, first += kLanes) {
+    const T x = static_cast<Real>(tile.x + block % tile.blocks_across * kBlockEdge);
+    const T y = static_cast<Real>(tile.y + block / tile.blocks_across * kBlockEdge);
     for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
-      const T s = T::load(columns + lane);
-      const T r = T::load(rows + lane);
-      const T x = T(camera.corner[0]) + s * T(camera.right[0]) + r * T(camera.down[0]);
-      const T y = T(camera.corner[1]) + s * T(camera.right[1]) + r * T(camera.down[1]);
-      const T z = T(camera.corner[2]) + s * T(camera.right[2]) + r * T(camera.down[2]);
-      const T length = camera.perspective ? sqrt(x * x + y * y + z * z) : T(Real(1));
+      const T column = x + T::load(kPixels.column + lane);
+      const T row = y + T::load(kPixels.row + lane);
+      const Mask<Real> in_picture =
+          (column < T(static_cast<Real>(tile.width))) & (row < T(static_cast<Real>(tile.height)));
+      const T s = select(in_picture, column + T(camera.point[0]), none);
+      const T r = row + T(camera.point[1]);
+      const T rx = T(camera.corner[0]) + s * T(camera.right[0]) + r * T(camera.down[0]);
+      const T ry = T(camera.corner[1]) + s * T(camera.right[1]) + r * T(camera.down[1]);
+      const T rz = T(camera.corner[2]) + s * T(camera.right[2]) + r * T(camera.down[2]);
+      const T length = camera.perspective ? sqrt(rx * rx + ry * ry + rz * rz) : T(Real(1));
       const T scale = T(Real(1)) / length;
-      const std::size_t ray = first * kPacketLanes + lane;
-      (x * scale).store(out.x + ray);
-      (y * scale).store(out.y + ray);
-      (z * scale).store(out.z + ray);
+      (rx * scale).store(out.x + first + lane);
+      (ry * scale).store(out.y + first + lane);
+      (rz * scale).store(out.z + first + lane);
     }
   }
 }

@@ -17,6 +17,11 @@ struct Mask {
   friend Mask operator!(const Mask& a) { return {!a.v}; }
   /// Bit i is lane i.
   std::uint64_t bits() const { return v.mask(); }
+  /// Of the lowest bits; the others may be anything.
+  static Mask from_bits(std::uint64_t bits) {
+    constexpr std::uint64_t kAll = (std::uint64_t{1} << Native::size) - 1;
+    return {Native::from_mask(bits & kAll)};
+  }
 };
 
 template <class RealType>

@@ -13,6 +13,7 @@ struct Mask {
   friend Mask operator|(const Mask& a, const Mask& b) { return {a.v || b.v}; }
   friend Mask operator!(const Mask& a) { return {!a.v}; }
   std::uint64_t bits() const { return v ? 1 : 0; }
+  static Mask from_bits(std::uint64_t bits) { return {(bits & 1U) != 0}; }
 };
 
 template <class RealType>

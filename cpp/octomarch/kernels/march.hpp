@@ -13,7 +13,6 @@
 #include <limits>
 
 #include "octomarch/kernels/evaluate.hpp"
-#include "octomarch/kernels/finish.hpp"
 #include "octomarch/kernels/tasks.hpp"
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
@@ -24,11 +23,13 @@ class Marcher {
 
  public:
   Marcher(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
-          const Task& task, Counters& counters)
+          const Region<Real>* region, const MarchState<Real>& march, const Task& task, Counters& counters)
       : tape_(tape),
         memory_(memory),
         rays_(rays),
         parameters_(parameters),
+        region_(region),
+        march_(march),
         steps_(parameters),
         task_(task),
         counters_(counters) {}
@@ -36,9 +37,11 @@ class Marcher {
   void run() {
     Block<Real> blocks[2];
     const std::size_t files = 2 * kBusyRows;
-    const std::size_t quiet = files + 2 * std::size_t{tape_.registers};
+    const std::size_t relaxation = files + 2 * std::size_t{tape_.registers};
+    const std::size_t quiet = relaxation + 2 * kRelaxationRows;
     for (std::size_t i = 0; i < 2; ++i) {
-      open(blocks[i], row(i * kBusyRows), row(files + i * tape_.registers), row(quiet + i * kBusyRows));
+      open(blocks[i], row(i * kBusyRows), row(files + i * tape_.registers), row(relaxation + i * kRelaxationRows),
+           row(quiet + i * kQuietRows));
     }
     for (unsigned turn = 0; blocks[0].slots + blocks[1].slots > 0; turn ^= 1U) {
       if (is_set(parameters_.cancelled)) return;
@@ -52,11 +55,13 @@ class Marcher {
   /// A row of the march's memory.
   Real* row(std::size_t index) const { return memory_ + index * kLanes; }
 
-  void open(Block<Real>& block, Real* busy, Real* registers, Real* quiet) {
+  void open(Block<Real>& block, Real* busy, Real* registers, Real* relaxation, Real* quiet) {
     block.registers = registers;
-    block.state = {busy,  busy + kLanes,  busy + 2 * kLanes,  busy + 3 * kLanes,  busy + 4 * kLanes,
-                   quiet, quiet + kLanes, quiet + 2 * kLanes, quiet + 3 * kLanes, quiet + 4 * kLanes};
+    block.state = {busy,       busy + kLanes,      busy + 2 * kLanes,  busy + 3 * kLanes,  busy + 4 * kLanes,
+                   quiet,      quiet + kLanes,     quiet + 2 * kLanes, quiet + 3 * kLanes, quiet + 4 * kLanes,
+                   relaxation, relaxation + kLanes};
     BlockState<Real>& state = block.state;
+    if (next_ray_ >= rays_.count) return;
     set_block(state.ox, rays_.ox);
     set_block(state.oy, rays_.oy);
     set_block(state.oz, rays_.oz);
@@ -75,9 +80,9 @@ class Marcher {
     counters_.lane_slots += count * kWidth<Real>;
     place_points(block, count);
     const Real* const field = evaluate(tape_, block.registers, count);
-    const std::uint64_t live = step_rays(block.state, field, count) & block.used_lanes();
+    const std::uint64_t live = step_rays(block, field, count) & block.used_lanes();
     ++block.step;
-    if (task_.steps() != nullptr) record_steps(block, block.live & ~live);
+    if (march_.steps != nullptr) record_steps(block, block.live & ~live);
     block.live = live;
   }
 
@@ -102,38 +107,78 @@ class Marcher {
   }
 
   /// Moves t along by the field; returns which rays go on.
-  std::uint64_t step_rays(BlockState<Real>& state, const Real* field, std::size_t count) {
-    if (one_limit_) return step_rays(state, field, count, Same(rays_.t_max.value), Same(rays_.epsilon.value));
-    return step_rays(state, field, count, Row(state.t_max), Row(state.epsilon));
+  std::uint64_t step_rays(Block<Real>& block, const Real* field, std::size_t count) {
+    if (region_ != nullptr) return step_rays_in_region(block, field, count);
+    if (one_limit_) return step_rays(block, field, count, Same(rays_.t_max.value), Same(rays_.epsilon.value));
+    return step_rays(block, field, count, Row(block.state.t_max), Row(block.state.epsilon));
   }
 
   template <class Column>
-  [[gnu::flatten]] std::uint64_t step_rays(BlockState<Real>& state, const Real* field, std::size_t count,
+  [[gnu::flatten]] std::uint64_t step_rays(Block<Real>& block, const Real* field, std::size_t count,
                                            const Column& t_max, const Column& epsilon) {
-    const T step_scale = parameters_.step_scale;
-    const T slope = parameters_.epsilon_slope;
-    const Steps steps = steps_;
-    const Task task = task_;
+    const StepConstants constants(*this);
     std::uint64_t live = 0;
     for_each_batch<Real>(count, [&](std::size_t lane) {
-      const T t = T::load(state.t + lane);
-      const T r = T::load(field + lane) * step_scale;
-      const T tolerance = max(epsilon(lane), slope * t);
-      // not "has not arrived": a NaN field has to move t, and make it NaN
-      const Mask<Real> goes_on = (t <= t_max(lane)) & !steps.arrives(r, tolerance);
-      const T next = select(goes_on, t + steps.length(r, tolerance), t);
-      task.observe(state, lane, t, r, goes_on);
-      next.store(state.t + lane);
-      live |= (goes_on & (next <= t_max(lane))).bits() << lane;
+      const T limit = t_max(lane);
+      const Step<Real> step = take_step(constants, block.state, field, lane, limit, epsilon(lane));
+      live |= (step.goes_on & (step.next <= limit)).bits() << lane;
     });
     return live;
+  }
+
+  /// The same for a tape that may not be run everywhere: a ray whose next sample lies outside of the region is left as it
+  /// is from then on.
+  [[gnu::flatten]] std::uint64_t step_rays_in_region(Block<Real>& block, const Real* field, std::size_t count) {
+    const StepConstants constants(*this);
+    const BlockState<Real>& state = block.state;
+    const Region<Real> region = *region_;
+    const T nowhere = -std::numeric_limits<Real>::infinity();
+    std::uint64_t live = 0;
+    std::uint64_t left = 0;
+    for_each_batch<Real>(count, [&](std::size_t lane) {
+      const T t_max = T::load(state.t_max + lane);
+      const T limit = select(Mask<Real>::from_bits(block.left >> lane), nowhere, t_max);
+      const Step<Real> step = take_step(constants, block.state, field, lane, limit, T::load(state.epsilon + lane));
+      const T x = T::load(state.ox + lane) + step.next * T::load(state.dx + lane);
+      const T y = T::load(state.oy + lane) + step.next * T::load(state.dy + lane);
+      const T z = T::load(state.oz + lane) + step.next * T::load(state.dz + lane);
+      const Mask<Real> within = (x >= T(region.lo[0])) & (x <= T(region.hi[0])) & (y >= T(region.lo[1])) &
+                                (y <= T(region.hi[1])) & (z >= T(region.lo[2])) & (z <= T(region.hi[2]));
+      const Mask<Real> goes_on = step.goes_on & (step.next <= limit);
+      live |= (goes_on & within).bits() << lane;
+      left |= (goes_on & !within).bits() << lane;
+    });
+    block.left |= left & block.live;
+    return live;
+  }
+
+  struct StepConstants {
+    T step_scale;
+    T slope;
+    Steps steps;
+    Task task;
+    explicit StepConstants(const Marcher& marcher)
+        : step_scale(marcher.parameters_.step_scale),
+          slope(marcher.parameters_.epsilon_slope),
+          steps(marcher.steps_),
+          task(marcher.task_) {}
+  };
+
+  static Step<Real> take_step(const StepConstants& constants, BlockState<Real>& state, const Real* field,
+                              std::size_t lane, const T& t_max, const T& epsilon) {
+    const T t = T::load(state.t + lane);
+    const T r = T::load(field + lane) * constants.step_scale;
+    const Step<Real> step = constants.steps.advance(state, lane, t, r, max(epsilon, constants.slope * t), t_max);
+    constants.task.observe(state, lane, t, r, t_max, step.goes_on);
+    step.next.store(state.t + lane);
+    return step;
   }
 
   void record_steps(const Block<Real>& block, std::uint64_t ended) {
     for (; ended != 0; ended &= ended - 1) {
       const auto lane = static_cast<std::size_t>(__builtin_ctzll(ended));
       const std::size_t slot = lane / kPacketLanes;
-      task_.steps()[block.first_ray[slot] + lane % kPacketLanes] =
+      march_.steps[block.first_ray[slot] + lane % kPacketLanes] =
           static_cast<std::int32_t>(block.step - block.start[slot]);
     }
   }
@@ -143,13 +188,33 @@ class Marcher {
     for (std::size_t slot = block.slots; slot-- > 0;) {
       const std::uint64_t live = block.live & std::uint64_t{0xFF} << (slot * kPacketLanes);
       if (live != 0 && block.step - block.start[slot] < parameters_.max_steps) continue;
-      if (task_.steps() != nullptr) record_steps(block, live);
-      task_.retire(block, block.registers + tape_.result * kLanes, T(parameters_.step_scale), slot,
-                   valid_rays(block.first_ray[slot]));
+      if (march_.steps != nullptr) record_steps(block, live);
+      retire(block, slot);
       if (!load(block, slot)) block.close(slot);
     }
     block.deadline = std::numeric_limits<std::int64_t>::max();
     for (std::size_t slot = 0; slot < block.slots; ++slot) note_deadline(block, slot);
+  }
+
+  /// Writes the state of a slot's rays back. Those that are still live have spent their steps.
+  void retire(const Block<Real>& block, std::size_t slot) {
+    const BlockState<Real>& state = block.state;
+    const std::size_t ray = block.first_ray[slot];
+    take_packet(state.t, slot, march_.t + ray);
+    take_packet(block.registers + tape_.result * kLanes, slot, march_.radius + ray);
+    if constexpr (Task::kCarries) take_packet(state.carried, slot, march_.before + ray);
+    if constexpr (Task::kIsRelaxed) {
+      take_packet(state.stride, slot, march_.stride + ray);
+      take_packet(state.boldness, slot, march_.boldness + ray);
+    }
+    const std::uint64_t spent = Block<Real>::packet_of(block.live, slot);
+    const std::uint64_t left = Block<Real>::packet_of(block.left, slot);
+    __builtin_memset(march_.pause + ray, static_cast<int>(Pause::kEnded), kPacketLanes);
+    if ((spent | left) == 0) return;
+    for (std::size_t i = 0; i < kPacketLanes; ++i) {
+      if ((left >> i & 1U) != 0) march_.pause[ray + i] = static_cast<std::uint8_t>(Pause::kLeft);
+      if ((spent >> i & 1U) != 0) march_.pause[ray + i] = static_cast<std::uint8_t>(Pause::kSpent);
+    }
   }
 
   void note_deadline(Block<Real>& block, std::size_t slot) const {
@@ -157,55 +222,35 @@ class Marcher {
     if (spent < block.deadline) block.deadline = spent;
   }
 
-  std::size_t valid_rays(std::size_t first) const {
-    const std::size_t left = rays_.count - first;
-    return left < kPacketLanes ? left : kPacketLanes;
-  }
-
-  /// Puts the next packet of the stream into a slot; false when there is none. Lanes past the end, and rays with a NaN,
-  /// get t = NaN: they never live, and touch no other lane.
+  /// Puts the next packet of the stream into a slot; false when there is none.
   bool load(Block<Real>& block, std::size_t slot) {
     if (next_ray_ >= rays_.count) return false;
     const std::size_t first = next_ray_;
-    const std::size_t valid = valid_rays(first);
     BlockState<Real>& state = block.state;
     next_ray_ += kPacketLanes;
     ++counters_.packets;
     block.first_ray[slot] = first;
     block.start[slot] = block.step;
-    load_packet(state.ox, slot, rays_.ox, first, valid);
-    load_packet(state.oy, slot, rays_.oy, first, valid);
-    load_packet(state.oz, slot, rays_.oz, first, valid);
-    load_packet(state.dx, slot, rays_.dx, first, valid);
-    load_packet(state.dy, slot, rays_.dy, first, valid);
-    load_packet(state.dz, slot, rays_.dz, first, valid);
-    load_packet(state.t_max, slot, rays_.t_max, first, valid);
-    load_packet(state.epsilon, slot, rays_.epsilon, first, valid);
-    block.set_live(slot, start_packet(state, slot) & 0xFFU >> (kPacketLanes - valid));
-    for (std::size_t i = valid; i < kPacketLanes; ++i)
-      state.t[slot * kPacketLanes + i] = std::numeric_limits<Real>::quiet_NaN();
-    if (task_.steps() != nullptr) {
-      for (std::size_t i = 0; i < valid; ++i) task_.steps()[first + i] = 0;
+    load_packet(state.ox, slot, rays_.ox, first);
+    load_packet(state.oy, slot, rays_.oy, first);
+    load_packet(state.oz, slot, rays_.oz, first);
+    load_packet(state.dx, slot, rays_.dx, first);
+    load_packet(state.dy, slot, rays_.dy, first);
+    load_packet(state.dz, slot, rays_.dz, first);
+    load_packet(state.t_max, slot, rays_.t_max, first);
+    load_packet(state.epsilon, slot, rays_.epsilon, first);
+    put_packet(state.t, slot, march_.t + first);
+    if constexpr (Task::kCarries) put_packet(state.carried, slot, march_.before + first);
+    if constexpr (Task::kIsRelaxed) {
+      put_packet(state.stride, slot, march_.stride + first);
+      put_packet(state.boldness, slot, march_.boldness + first);
     }
+    Block<Real>::set_packet_of(block.left, slot, 0);
+    Block<Real>::set_packet_of(block.live, slot, packet_bits<Real>(first, [&](std::size_t i) {
+                                 return T::load(march_.t + i) <= at(rays_.t_max, i);
+                               }));
     note_deadline(block, slot);
     return true;
-  }
-
-  /// Sets t of a packet's rays to their start, or to NaN where anything of the ray is not finite; returns a bit for each
-  /// that begins.
-  std::uint64_t start_packet(BlockState<Real>& state, std::size_t slot) const {
-    const std::size_t begin = first_batch_lane<Real>(slot);
-    std::uint64_t bits = 0;
-    for (std::size_t lane = begin; lane < (slot + 1) * kPacketLanes; lane += kWidth<Real>) {
-      const T sum = T::load(state.ox + lane) + T::load(state.oy + lane) + T::load(state.oz + lane) +
-                    T::load(state.dx + lane) + T::load(state.dy + lane) + T::load(state.dz + lane);
-      const T start = sum * T(Real(0)) + steps_.start();
-      const Mask<Real> ours = packet_mask<Real>(lane, slot);
-      select(ours, start, T::load(state.t + lane)).store(state.t + lane);
-      select(ours, T(Task::kFirstCarried), T::load(state.carried + lane)).store(state.carried + lane);
-      bits |= steps_.begins(start, T::load(state.t_max + lane)).bits() << (lane - begin);
-    }
-    return bits >> (slot * kPacketLanes - begin) & 0xFFU;
   }
 
   /// One value for all lanes, or a row of the block's state, read alike.
@@ -224,6 +269,8 @@ class Marcher {
   Real* const memory_;
   const RayView<Real> rays_;
   const MarchParameters<Real> parameters_;
+  const Region<Real>* const region_;
+  const MarchState<Real> march_;
   const Steps steps_;
   const Task task_;
   Counters& counters_;
@@ -232,43 +279,42 @@ class Marcher {
   std::size_t next_ray_ = 0;
 };
 
-template <class Real, class Steps, Finish kFinish>
-void find_hits(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays,
-               const MarchParameters<Real>& parameters, const MarchOutput<Real>& out, Counters& counters) {
-  using Task = HitTask<Real, Steps, kFinish>;
-  Marcher<Real, Steps, Task>(tape, memory, rays, parameters, Task{out, Steps(parameters)}, counters).run();
-  if constexpr (kFinish == Finish::kSecant) check_secant(tape, memory, rays, parameters, out, counters);
-  if constexpr (kFinish == Finish::kBisection) bisect(tape, memory, rays, parameters, out, counters);
-}
-
 /// Calls f with the steps that the parameters ask for.
 template <class Real, class Function>
 void with_steps(const MarchParameters<Real>& parameters, Function&& f) {
   switch (parameters.stepping) {
     case Stepping::kPlain: return f(PlainSteps<Real>(parameters));
     case Stepping::kBiased: return f(BiasedSteps<Real>(parameters));
+    case Stepping::kRelaxed: return f(LongSteps<Real, Stepping::kRelaxed>(parameters));
+    case Stepping::kEnhanced: return f(LongSteps<Real, Stepping::kEnhanced>(parameters));
     case Stepping::kFixed: return f(FixedSteps<Real>(parameters));
   }
 }
 
 template <class Real>
 void march(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
-           const MarchOutput<Real>& out, Counters& counters) {
+           const Region<Real>* region, const MarchState<Real>& state, Counters& counters) {
   with_steps(parameters, [&]<class Steps>(const Steps&) {
+    const auto run = [&]<class Task>(const Task& task) {
+      Marcher<Real, Steps, Task>(tape, memory, rays, parameters, region, state, task, counters).run();
+    };
     if (parameters.finish) {
-      find_hits<Real, Steps, Steps::kFinish>(tape, memory, rays, parameters, out, counters);
+      run(HitTask<Real, Steps, Steps::kFinish>{});
     } else {
-      find_hits<Real, Steps, Finish::kNone>(tape, memory, rays, parameters, out, counters);
+      run(HitTask<Real, Steps, Finish::kNone>{});
     }
   });
 }
 
 template <class Real>
-void shadow(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays,
-            const MarchParameters<Real>& parameters, Real k, Real* visibility, Counters& counters) {
-  const ShadowTask<Real> task{visibility, Lanes<Real>(k)};
+void march_shadow(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays,
+                  const MarchParameters<Real>& parameters, Real k, const Region<Real>* region,
+                  const MarchState<Real>& state, Counters& counters) {
+  const ShadowTask<Real> task{Lanes<Real>(k)};
   with_steps(parameters, [&]<class Steps>(const Steps&) {
-    Marcher<Real, Steps, ShadowTask<Real>>(tape, memory, rays, parameters, task, counters).run();
+    if constexpr (!Steps::kIsRelaxed) {
+      Marcher<Real, Steps, ShadowTask<Real>>(tape, memory, rays, parameters, region, state, task, counters).run();
+    }
   });
 }
 

@@ -24,6 +24,9 @@ struct BlockState {
   Real* oz;
   Real* t_max;
   Real* epsilon;
+  // read or written at every step, where steps are relaxed
+  Real* stride;    ///< the last step
+  Real* boldness;  ///< by how much of the field the next one goes beyond it; see steps.hpp
 };
 
 /// A block: its rays, and for each of its packets which rays they are and when they came.
@@ -35,6 +38,7 @@ struct Block {
   std::int64_t step = 0;                                             ///< steps made so far
   std::int64_t deadline = std::numeric_limits<std::int64_t>::max();  ///< value of `step` at which a packet is spent
   std::uint64_t live = 0;                                            ///< rays that go on; bit = lane
+  std::uint64_t left = 0;                                            ///< rays whose next sample is out of the region
   std::size_t slots = 0;                                             ///< packets held, in the first slots
   Real* registers = nullptr;                                         ///< a register file of its own
 
@@ -48,75 +52,61 @@ struct Block {
     return ((w - 0x0101010101010101ULL) & ~w & 0x8080808080808080ULL) != 0;
   }
 
-  void set_live(std::size_t slot, std::uint64_t bits) {
-    live = (live & ~(std::uint64_t{0xFF} << (slot * kPacketLanes))) | bits << (slot * kPacketLanes);
+  static std::uint64_t packet_of(std::uint64_t word, std::size_t slot) { return word >> (slot * kPacketLanes) & 0xFFU; }
+  static void set_packet_of(std::uint64_t& word, std::size_t slot, std::uint64_t bits) {
+    word = (word & ~(std::uint64_t{0xFF} << (slot * kPacketLanes))) | bits << (slot * kPacketLanes);
   }
 
   /// Takes a packet out: the last one moves into its slot, so that fewer batches are computed.
   void close(std::size_t slot) {
     --slots;
-    const std::uint64_t moved = live >> (slots * kPacketLanes) & 0xFFU;
-    set_live(slots, 0);
+    const std::uint64_t moved_live = packet_of(live, slots);
+    const std::uint64_t moved_left = packet_of(left, slots);
+    set_packet_of(live, slots, 0);
+    set_packet_of(left, slots, 0);
     if (slot == slots) return;
-    set_live(slot, moved);
+    set_packet_of(live, slot, moved_live);
+    set_packet_of(left, slot, moved_left);
     first_ray[slot] = first_ray[slots];
     start[slot] = start[slots];
-    Real* const rows[] = {state.ox, state.oy, state.oz,    state.dx,      state.dy,
-                          state.dz, state.t,  state.t_max, state.epsilon, state.carried};
+    Real* const rows[] = {state.ox, state.oy,    state.oz,      state.dx,      state.dy,     state.dz,
+                          state.t,  state.t_max, state.epsilon, state.carried, state.stride, state.boldness};
     for (Real* row : rows) {
       __builtin_memcpy(row + slot * kPacketLanes, row + slots * kPacketLanes, kPacketLanes * sizeof(Real));
     }
   }
 };
 
-/// Copies the first `valid` lanes of a packet, all of them in the common case by moves of known size.
-template <class T>
-void copy_packet(T* to, const T* from, std::size_t valid) {
-  if (valid == kPacketLanes) {
-    __builtin_memcpy(to, from, kPacketLanes * sizeof(T));
-  } else {
-    for (std::size_t lane = 0; lane < valid; ++lane) to[lane] = from[lane];
-  }
+/// Puts a packet's part of a column into its slot. Columns of one value are set once for the whole block instead.
+template <class Real>
+void load_packet(Real* row, std::size_t slot, const Column<Real>& column, std::size_t first) {
+  if (column.values != nullptr) put_packet(row, slot, column.values + first);
 }
 
-/// Puts a packet's part of a column into its slot, lanes past the end repeating its first. Columns of one value are set
-/// once for the whole block instead.
+/// Copies a slot's packet out of a row.
 template <class Real>
-void load_packet(Real* row, std::size_t slot, const Column<Real>& column, std::size_t first, std::size_t valid) {
-  if (column.values == nullptr) return;
-  const Real* const from = column.values + first;
-  if (valid == kPacketLanes) {
-    put_packet(row, slot, from);
-  } else {
-    for (std::size_t lane = 0; lane < kPacketLanes; ++lane)
-      row[slot * kPacketLanes + lane] = from[lane < valid ? lane : 0];
-  }
+void take_packet(const Real* row, std::size_t slot, Real* to) {
+  __builtin_memcpy(to, row + slot * kPacketLanes, kPacketLanes * sizeof(Real));
+}
+
+template <class Real>
+Lanes<Real> at(const Column<Real>& column, std::size_t i) {
+  return column.values == nullptr ? Lanes<Real>(column.value) : Lanes<Real>::load(column.values + i);
 }
 
 template <class Real>
 void set_block(Real* row, const Column<Real>& column) {
-  for (std::size_t lane = 0; lane < kLanes; ++lane) row[lane] = column.value;
+  if (column.values != nullptr) return;
+  for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) Lanes<Real>(column.value).store(row + lane);
 }
 
-/// The first lane of the batches that hold a packet; where a batch is wider than a packet it holds others too.
-template <class Real>
-constexpr std::size_t first_batch_lane(std::size_t slot) {
-  return slot * kPacketLanes / kWidth<Real> * kWidth<Real>;
-}
-
-/// The lanes of a batch that belong to a slot's packet.
-template <class Real>
-Mask<Real> packet_mask(std::size_t lane, std::size_t slot) {
-  alignas(kAlignment) static constexpr auto kLaneNumbers = [] {
-    struct {
-      Real value[kLanes];
-    } numbers{};
-    for (std::size_t i = 0; i < kLanes; ++i) numbers.value[i] = static_cast<Real>(i);
-    return numbers;
-  }();
-  const Lanes<Real> number = Lanes<Real>::load(kLaneNumbers.value + lane);
-  const auto begin = static_cast<Real>(slot * kPacketLanes);
-  return (number >= Lanes<Real>(begin)) & (number < Lanes<Real>(begin + Real(kPacketLanes)));
+/// Bit i: does f hold in lane i of the packet that begins at element `first` of some arrays? f takes the index of a batch.
+template <class Real, class Function>
+std::uint64_t packet_bits(std::size_t first, Function&& f) {
+  const std::size_t begin = first / kWidth<Real> * kWidth<Real>;
+  std::uint64_t bits = 0;
+  for (std::size_t i = begin; i < first + kPacketLanes; i += kWidth<Real>) bits |= f(i).bits() << (i - begin);
+  return bits >> (first - begin) & 0xFFU;
 }
 
 }  // namespace octomarch::kernels::OCTOMARCH_ISA

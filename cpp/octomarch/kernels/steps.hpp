@@ -1,45 +1,71 @@
-// How a march goes from sample to sample: where rays begin, when one has arrived, and how long a step is. r is the field
-// over its Lipschitz bound. packets.hpp comes before; march.hpp is a
-// template over these, so that one way costs nothing where another is taken.
+// How a march goes from sample to sample: when a ray has arrived, and how long a step is. r is the field over its Lipschitz
+// bound, so the sphere of that radius about a sample is empty. packets.hpp comes before; march.hpp is a template over
+// these, so that one way costs nothing where another is taken.
 #pragma once
 
 #include "octomarch/kernels/api.hpp"
 #include "octomarch/kernels/lanes.hpp"
+#include "octomarch/kernels/packets.hpp"
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
 
 /// What a march does about its hits at the end.
 enum class Finish { kNone, kSecant, kBisection };
 
-/// Sphere tracing from t = 0 on.
+/// The part of r by which kRelaxed goes beyond it.
+template <class Real>
+inline constexpr Real kFirstBoldness = Real(0.6);
+
+/// A batch of rays at a sample, and where they go from there.
+template <class Real>
+struct Step {
+  Mask<Real> goes_on;
+  Lanes<Real> next;  ///< t of the next sample; the same t where a ray does not go on
+};
+
+/// A step of a way whose samples are where the last step said. It goes on unless it "has arrived": a NaN field has to move
+/// t, and make it NaN.
+template <class Real, class Way>
+Step<Real> straight_step(const Way& way, const Lanes<Real>& t, const Lanes<Real>& r, const Lanes<Real>& epsilon,
+                         const Lanes<Real>& t_max) {
+  const Mask<Real> goes_on = (t <= t_max) & !way.arrives(r, epsilon);
+  return {goes_on, select(goes_on, t + way.length(r, epsilon), t)};
+}
+
+/// Sphere tracing.
 template <class Real>
 struct PlainSteps {
   using T = Lanes<Real>;
   static constexpr Finish kFinish = Finish::kSecant;
+  static constexpr bool kIsRelaxed = false;
 
   explicit PlainSteps(const MarchParameters<Real>& /*parameters*/) {}
 
-  static T start() { return Real(0); }
-  static Mask<Real> begins(const T& t, const T& /*t_max*/) { return t == t; }
   static Mask<Real> arrives(const T& r, const T& epsilon) { return r <= epsilon; }
   static T length(const T& r, const T& /*epsilon*/) { return r; }
+  Step<Real> advance(BlockState<Real>& /*state*/, std::size_t /*lane*/, const T& t, const T& r, const T& epsilon,
+                     const T& t_max) const {
+    return straight_step(*this, t, r, epsilon, t_max);
+  }
 };
 
-/// Sphere tracing from t_min on, each step shorter by a bias, but not by more than half.
+/// Sphere tracing, each step shorter by a bias, but not by more than half.
 template <class Real>
 struct BiasedSteps {
   using T = Lanes<Real>;
   static constexpr Finish kFinish = Finish::kSecant;
-  T t_min;
+  static constexpr bool kIsRelaxed = false;
   T bias;
 
-  explicit BiasedSteps(const MarchParameters<Real>& parameters) : t_min(parameters.t_min), bias(parameters.bias) {}
+  explicit BiasedSteps(const MarchParameters<Real>& parameters) : bias(parameters.bias) {}
 
-  T start() const { return t_min; }
-  static Mask<Real> begins(const T& t, const T& t_max) { return t <= t_max; }
   static Mask<Real> arrives(const T& r, const T& epsilon) { return r <= epsilon; }
   /// The second operand of a maximum is what a NaN passes through.
   T length(const T& r, const T& /*epsilon*/) const { return max(r * T(Real(0.5)), r - bias); }
+  Step<Real> advance(BlockState<Real>& /*state*/, std::size_t /*lane*/, const T& t, const T& r, const T& epsilon,
+                     const T& t_max) const {
+    return straight_step(*this, t, r, epsilon, t_max);
+  }
 };
 
 /// Steps of a length, or the hit epsilon, at the least, until one is in the solid.
@@ -47,22 +73,75 @@ template <class Real>
 struct FixedSteps {
   using T = Lanes<Real>;
   static constexpr Finish kFinish = Finish::kBisection;
-  T t_min;
+  static constexpr bool kIsRelaxed = false;
   T bias;
   T step;
   T slope;
 
   explicit FixedSteps(const MarchParameters<Real>& parameters)
-      : t_min(parameters.t_min), bias(parameters.bias), step(parameters.step), slope(parameters.epsilon_slope) {}
+      : bias(parameters.bias), step(parameters.step), slope(parameters.epsilon_slope) {}
 
-  T start() const { return t_min; }
-  static Mask<Real> begins(const T& t, const T& t_max) { return t <= t_max; }
   static Mask<Real> arrives(const T& r, const T& /*epsilon*/) { return r <= T(Real(0)); }
   T length(const T& r, const T& epsilon) const { return max(max(step, epsilon), r - bias); }
+  Step<Real> advance(BlockState<Real>& /*state*/, std::size_t /*lane*/, const T& t, const T& r, const T& epsilon,
+                     const T& t_max) const {
+    return straight_step(*this, t, r, epsilon, t_max);
+  }
   /// Where bisection begins when t, the sample after `before`, is inside: no more than the least step back, since a longer
   /// one went as far as the field said was free. `epsilon`: the absolute part.
   T outside(const T& before, const T& t, const T& epsilon) const {
     return max(before, t - max(step, max(epsilon, slope * before)));
+  }
+};
+
+/// 1/a to 1.5 % at the most, never more, for a > 0: by the bits, since logarithms of numbers are nearly linear in them, and a
+/// step of Newton. Made of operations that are the same everywhere, unlike the instructions for it.
+template <class Real>
+Lanes<Real> rough_reciprocal(const Lanes<Real>& a) {
+  using T = Lanes<Real>;
+  using Integer = typename T::Integer;
+  constexpr Integer kMagic = sizeof(Real) == 4 ? Integer(0x7EF311C7) : static_cast<Integer>(0x7FDE6238DA3C2118);
+  const T guess = T::from_bits(typename T::Bits(kMagic) - a.bits());
+  return guess * (T(Real(2)) - a * guess);
+}
+
+/// Sphere tracing with steps longer than the empty sphere, which go back to its end where the next one does not touch it.
+/// kRelaxed: by 0.6 of the radius, for as long as that holds (B. Keinert et al., "Enhanced sphere tracing", STAG 2014).
+/// kEnhanced: by 0.88 of what the slope of the last step lets hope (C. Bálint, G. Valasek, "Accelerating sphere tracing",
+/// EG 2018). The state's `carried` is r of the last sample that the ray stands by, `stride` how far it has gone from there.
+template <class Real, Stepping kStepping>
+struct LongSteps {
+  using T = Lanes<Real>;
+  static constexpr Finish kFinish = Finish::kSecant;
+  static constexpr bool kIsRelaxed = true;
+  static constexpr Real kStrength = Real(0.88);
+  /// Slopes are taken for less than 1, at which a ray would never come near anything again.
+  static constexpr Real kSteepest = Real(0.9375);
+
+  explicit LongSteps(const MarchParameters<Real>& /*parameters*/) {}
+
+  static Step<Real> advance(BlockState<Real>& state, std::size_t lane, const T& t, const T& r, const T& epsilon,
+                            const T& t_max) {
+    const T before = T::load(state.carried + lane);
+    const T stride = T::load(state.stride + lane);
+    const Mask<Real> within = t <= t_max;
+    const Mask<Real> back = within & (stride > before + abs(r));
+    // not "has not arrived", see straight_step
+    const Mask<Real> forth = within & !back & !(r <= epsilon);
+    T beyond;
+    if constexpr (kStepping == Stepping::kRelaxed) {
+      const T boldness = T::load(state.boldness + lane);
+      beyond = r * boldness;
+      select(back, T(Real(0)), boldness).store(state.boldness + lane);
+    } else {
+      const T growth = min(r - before, stride * T(kSteepest));
+      beyond = r * T(kStrength) * (stride + growth) * rough_reciprocal(stride - growth);
+    }
+    // what lies between the last empty sphere and t_max is not passed unseen; a NaN passes a maximum's second operand
+    const T length = max(min(r + beyond, t_max - t), r);
+    select(forth, r, before).store(state.carried + lane);
+    select(forth, length, select(back, before, stride)).store(state.stride + lane);
+    return {back | forth, t + select(forth, length, select(back, before - stride, T(Real(0))))};
   }
 };
 

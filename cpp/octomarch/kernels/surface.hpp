@@ -185,41 +185,32 @@ void mirror_rays(const SurfaceView<Real>& surface, Real offset, const Vectors<Re
   }
 }
 
-/// Heights grow with the square of the sample's number: near contact the first samples decide, and there they are dense.
 template <class Real>
-void occlusion(const TapeView<Real>& tape, Real* registers, const SurfaceView<Real>& surface, int samples,
-               Real distance, const bool* cancelled, Real* out) {
+void points_above(const SurfaceView<Real>& surface, Real height, const Vectors<Real>& points) {
   using T = Lanes<Real>;
-  alignas(kAlignment) Real missing[kLanes];
-  for (std::size_t first = 0; first < surface.count; first += kLanes) {
-    const std::size_t n = batches<Real>(lanes_in_block(first, surface.count));
-    for (Real& lane : missing) lane = 0;
-    Real weight = 1;
-    Real expected = 0;
-    for (int sample = 1; sample <= samples; ++sample) {
-      if (is_set(cancelled)) return;
-      weight *= Real(0.5);
-      const Real share = Real(sample) / Real(samples);
-      const Real height = distance * share * share;
-      expected += weight * height;
-      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-        const std::size_t i = first + lane;
-        const T h = height;
-        (T::load(surface.origin.x + i) + T::load(surface.facing.x + i) * h).store(registers + lane);
-        (T::load(surface.origin.y + i) + T::load(surface.facing.y + i) * h).store(registers + kLanes + lane);
-        (T::load(surface.origin.z + i) + T::load(surface.facing.z + i) * h).store(registers + 2 * kLanes + lane);
-      }
-      const Real* field = evaluate(tape, registers, n);
-      for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-        // a sample inside a solid lacks all of its height, no more
-        const T lacking = min(max(T(height) - T::load(field + lane), T(Real(0))), T(height));
-        (T::load(missing + lane) + T(weight) * lacking).store(missing + lane);
-      }
-    }
-    for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-      const T occluded = min(T::load(missing + lane) / T(expected), T(Real(1)));
-      (T(Real(1)) - occluded).store(out + first + lane);
-    }
+  const T h = height;
+  for (std::size_t i = 0; i < surface.count; i += kWidth<Real>) {
+    const auto o = load3(surface.origin, i);
+    const auto n = load3(surface.facing, i);
+    store3<Real>({o.x + n.x * h, o.y + n.y * h, o.z + n.z * h}, points, i);
+  }
+}
+
+template <class Real>
+void add_missing(const Real* field, std::size_t count, Real height, Real weight, Real* missing) {
+  using T = Lanes<Real>;
+  for (std::size_t i = 0; i < count; i += kWidth<Real>) {
+    // a sample inside a solid lacks all of its height, no more
+    const T lacking = min(max(T(height) - T::load(field + i), T(Real(0))), T(height));
+    (T::load(missing + i) + T(weight) * lacking).store(missing + i);
+  }
+}
+
+template <class Real>
+void occlusion(std::size_t count, Real expected, Real* missing) {
+  using T = Lanes<Real>;
+  for (std::size_t i = 0; i < count; i += kWidth<Real>) {
+    (T(Real(1)) - min(T::load(missing + i) / T(expected), T(Real(1)))).store(missing + i);
   }
 }
 

@@ -2,6 +2,8 @@
 #pragma once
 
 #include "octomarch/kernels/camera.hpp"
+#include "octomarch/kernels/cones.hpp"
+#include "octomarch/kernels/finish.hpp"
 #include "octomarch/kernels/march.hpp"
 #include "octomarch/kernels/shade.hpp"
 #include "octomarch/kernels/surface.hpp"
@@ -12,14 +14,25 @@ template <class Real>
 constexpr KernelTable<Real> make_table() {
   return {
       .camera_rays = &camera_rays<Real>,
+      .fit_cones = &fit_cones<Real>,
+      .cone_points = &cone_points<Real>,
+      .step_cones = &step_cones<Real>,
+      .begin_march = &begin_march<Real>,
       .march = &march<Real>,
-      .shadow = &shadow<Real>,
+      .march_shadow = &march_shadow<Real>,
+      .visibility = &visibility<Real>,
+      .conclude = &conclude<Real>,
+      .secants = &secants<Real>,
+      .follow_secants = &follow_secants<Real>,
+      .bisect = &bisect<Real>,
       .distance = &distance<Real>,
       .expressions = &expressions<Real>,
       .gradient = &gradient<Real>,
       .sample_around = &sample_around<Real>,
       .normalize = &normalize<Real>,
       .face_rays = &face_rays<Real>,
+      .points_above = &points_above<Real>,
+      .add_missing = &add_missing<Real>,
       .occlusion = &occlusion<Real>,
       .clamp_materials = &clamp_materials<Real>,
       .clamp_colors = &clamp_colors<Real>,

@@ -40,6 +40,8 @@ struct Instruction {
   std::array<std::uint16_t, kMaxOutputs> out;
   std::array<std::uint16_t, kMaxInputs> in;
   std::uint32_t constants;  ///< index of the first constant
+
+  friend bool operator==(const Instruction&, const Instruction&) = default;
 };
 
 static_assert(sizeof(Instruction) == 20, "the tape is streamed at every step: keep it small");

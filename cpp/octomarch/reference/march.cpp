@@ -1,5 +1,6 @@
 // J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996, with a tolerance that grows with the ray and a secant step
-// at the end, and fixed steps with bisection at the end. See march.hpp.
+// at the end; the same with relaxed steps, after Keinert et al. 2014, Bálint and Valasek 2018, Bán and Valasek 2023; and fixed
+// steps with bisection at the end. See march.hpp.
 #include "octomarch/reference/march.hpp"
 
 #include <algorithm>
@@ -7,6 +8,9 @@
 
 namespace octomarch::reference {
 namespace {
+
+template <class T>
+constexpr T kNowhere = std::numeric_limits<T>::infinity();
 
 template <class T>
 T largest_magnitude(const Vector<T>& v) {
@@ -78,14 +82,17 @@ Vector<T> slope_at(Evaluator<T>& field, const Vector<T>& p, const NormalRule<T>&
   return rule.kind == Normals::kCentral ? central_differences(field, p, rule.step) : field.gradient(p);
 }
 
-/// The end of the secant step, where it has all but closed the gap; else the last sample, for the ray only grazes an edge.
+/// The end of the secant step, where it has all but closed the gap, moved on by the secant through the last sample and that
+/// end; else the last sample, for the ray only grazes an edge. `apart`: of the last two samples.
 template <class T>
-T by_secant(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, const RaySample<T>& before,
-            const RaySample<T>& last) {
-  const T apart = limits.advance(ray, before.t, before.radius);
-  const T end = std::min(last.t + secant_step(before.radius, last.radius, apart), limits.t_max);
+T by_secant(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits, T previous, const RaySample<T>& last,
+            T apart) {
+  const T end = std::min(last.t + secant_step(previous, last.radius, apart), limits.t_max);
   const T left = radius_at(field, ray, limits, end);
-  return std::abs(left) <= limits.hit_epsilon(ray, end) / T(16) ? end : last.t;
+  if (!(std::abs(left) <= limits.hit_epsilon(ray, end) / T(16))) return last.t;
+  const T fall = last.radius - left;
+  const T more = std::abs(left) < std::abs(fall) ? left * (end - last.t) / fall : T(0);
+  return std::min(end + more, limits.t_max);
 }
 
 /// The outer end of what ten halvings leave of the way from the sample before, but no more than a least step, to the first
@@ -120,33 +127,85 @@ T MarchLimits<T>::least_step(const Ray<T>& ray, T t) const {
 
 template <class T>
 T MarchLimits<T>::advance(const Ray<T>& ray, T t, T radius) const {
-  if (method == Method::kPlain) return bias > T(0) ? std::max(radius - bias, radius / T(2)) : radius;
-  return std::max(radius - bias, least_step(ray, t));
+  if (method == Method::kFixed) return std::max(radius - bias, least_step(ray, t));
+  return bias > T(0) ? std::max(radius - bias, radius / T(2)) : radius;
 }
 
+/// Plain and fixed steps.
 template <class T>
-Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
-  constexpr T kNowhere = std::numeric_limits<T>::infinity();
-  if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vector<T>(0)) return {};
-  if (limits.t_min > limits.t_max) return {Status::kMiss, kNowhere, 0};
+Arrival<T> march_straight(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
   RaySample<T> before{limits.t_min, T(0)};
   T t = limits.t_min;
   for (int steps = 1; steps <= limits.max_steps; ++steps) {
     const T radius = radius_at(field, ray, limits, t);
-    if (std::isnan(radius)) return {Status::kInvalid, kNowhere, steps};
+    if (std::isnan(radius)) return {Status::kInvalid, kNowhere<T>, steps};
     if (limits.arrived(ray, t, radius)) {
       if (steps == 1) return {Status::kInside, t, steps};
       if (!limits.finish) return {Status::kHit, t, steps};
       if (limits.method == Method::kFixed) {
         return {Status::kHit, by_bisection(field, ray, limits, before.t, t), steps};
       }
-      return {Status::kHit, by_secant(field, ray, limits, before, {t, radius}), steps};
+      return {Status::kHit,
+              by_secant(field, ray, limits, before.radius, {t, radius}, limits.advance(ray, before.t, before.radius)),
+              steps};
     }
     before = {t, radius};
     t += limits.advance(ray, t, radius);
-    if (t > limits.t_max) return {Status::kMiss, kNowhere, steps};
+    if (t > limits.t_max) return {Status::kMiss, kNowhere<T>, steps};
   }
   return {Status::kStepLimit, t, limits.max_steps};
+}
+
+/// How far beyond the empty sphere a step goes: at first, by the part of it that Keinert et al. found; or by what the slope
+/// to the sample before lets hope, after Bálint and Valasek.
+template <class T>
+struct Boldness {
+  Method method;
+  bool has_failed = false;
+
+  T beyond(T radius, const RaySample<T>& stood, T stride) const {
+    if (method == Method::kRelaxed) return has_failed ? T(0) : T(0.6) * radius;
+    const T growth = std::min(radius - stood.radius, T(0.9375) * stride);
+    return T(0.88) * radius * (stride + growth) / (stride - growth);
+  }
+};
+
+/// Steps that go beyond the empty sphere in the hope that the next one touches it. The sample that does not keep the promise
+/// is given up, and the ray takes the plain step.
+template <class T>
+Arrival<T> march_relaxed(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
+  Boldness<T> boldness{limits.method};
+  RaySample<T> stood{limits.t_min, T(0)};  // the last that was kept
+  T t = limits.t_min;
+  for (int steps = 1; steps <= limits.max_steps; ++steps) {
+    const T radius = radius_at(field, ray, limits, t);
+    if (std::isnan(radius)) return {Status::kInvalid, kNowhere<T>, steps};
+    const T stride = t - stood.t;
+    if (steps > 1 && stride > stood.radius + std::abs(radius)) {
+      boldness.has_failed = true;
+      t = stood.t + stood.radius;
+      continue;
+    }
+    if (limits.arrived(ray, t, radius)) {
+      if (steps == 1) return {Status::kInside, t, steps};
+      if (!limits.finish) return {Status::kHit, t, steps};
+      return {Status::kHit, by_secant(field, ray, limits, stood.radius, {t, radius}, stride), steps};
+    }
+    const bool is_first = steps == 1 && limits.method != Method::kRelaxed;
+    const T beyond = is_first ? T(0) : boldness.beyond(radius, stood, stride);
+    stood = {t, radius};
+    t += std::max(radius, std::min(radius + beyond, limits.t_max - t));
+    if (t > limits.t_max) return {Status::kMiss, kNowhere<T>, steps};
+  }
+  return {Status::kStepLimit, std::min(t, stood.t + stood.radius), limits.max_steps};
+}
+
+template <class T>
+Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
+  if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vector<T>(0)) return {};
+  if (limits.t_min > limits.t_max) return {Status::kMiss, kNowhere<T>, 0};
+  const bool straight = limits.method == Method::kPlain || limits.method == Method::kFixed || limits.bias > T(0);
+  return straight ? march_straight(field, ray, limits) : march_relaxed(field, ray, limits);
 }
 
 template <class T>

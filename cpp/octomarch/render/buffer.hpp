@@ -43,7 +43,9 @@ struct VectorBuffer {
   explicit VectorBuffer(std::size_t size) : x(size), y(size), z(size) {}
 
   kernels::Vectors<T> view() { return {x.data(), y.data(), z.data()}; }
-  kernels::Vectors<const T> read() const { return {x.data(), y.data(), z.data()}; }
+  kernels::Vectors<const T> read() const { return from(0); }
+  /// From element i on.
+  kernels::Vectors<const T> from(std::size_t i) const { return {x.data() + i, y.data() + i, z.data() + i}; }
 
   Buffer<T> x;
   Buffer<T> y;

@@ -53,25 +53,28 @@ CameraFrame frame(const Camera& camera, std::uint32_t width, std::uint32_t heigh
 template <class Real>
 void panoramic_rays(const CameraFrame& frame, const kernels::TileView& tile, const PixelPoint& point,
                     VectorBuffer<Real>& directions) {
-  const std::size_t width = tile.packets_across * kernels::kPacketWidth;
-  const std::size_t height = tile.packets_down * kernels::kPacketHeight;
-  std::vector<Vec3> level(width);  // of each column, the direction at latitude 0; NaN outside the planes
+  constexpr std::size_t kPacketsAcross = kernels::kBlockEdge / kernels::kPacketWidth;
+  const std::size_t width = std::size_t{tile.blocks_across} * kernels::kBlockEdge;
+  const std::size_t height = std::size_t{tile.blocks_down} * kernels::kBlockEdge;
+  std::vector<Vec3> level(width);  // of each column, the direction at latitude 0; NaN outside the picture
   for (std::size_t i = 0; i < width; ++i) {
-    const double pixel = static_cast<double>(tile.left + tile.x + i) + point.x;
+    const double pixel = static_cast<double>(tile.x + i) + point.x;
     const double longitude = frame.longitude + pixel * frame.column;
     level[i] = frame.corner * std::cos(longitude) + frame.right * std::sin(longitude);
     if (tile.x + i >= tile.width) level[i].x = level[i].y = level[i].z = std::numeric_limits<double>::quiet_NaN();
   }
   for (std::size_t j = 0; j < height; ++j) {
-    const double pixel = static_cast<double>(tile.top + tile.y + j) + point.y;
+    const double pixel = static_cast<double>(tile.y + j) + point.y;
     const double latitude = frame.latitude - pixel * frame.row;
     const bool wanted = tile.y + j < tile.height;
     const double cosine = wanted ? std::cos(latitude) : std::numeric_limits<double>::quiet_NaN();
     const Vec3 rise = frame.down * -std::sin(latitude);
-    const std::size_t packets = j / kernels::kPacketHeight * tile.packets_across;
     for (std::size_t i = 0; i < width; ++i) {
       const Vec3 direction = level[i] * cosine + rise;
-      const std::size_t ray = (packets + i / kernels::kPacketWidth) * kernels::kPacketLanes +
+      const std::size_t block = j / kernels::kBlockEdge * tile.blocks_across + i / kernels::kBlockEdge;
+      const std::size_t packet = j % kernels::kBlockEdge / kernels::kPacketHeight * kPacketsAcross +
+                                 i % kernels::kBlockEdge / kernels::kPacketWidth;
+      const std::size_t ray = block * kernels::kLanes + packet * kernels::kPacketLanes +
                               j % kernels::kPacketHeight * kernels::kPacketWidth + i % kernels::kPacketWidth;
       directions.x[ray] = static_cast<Real>(direction.x);
       directions.y[ray] = static_cast<Real>(direction.y);

@@ -13,9 +13,10 @@ Illumination<Real>::Illumination(const Picture& picture, const kernels::KernelTa
       strength_(size),
       visibility_(size),
       ambient_(size),
+      above_(size),
+      field_above_(size),
       lit_(size),
-      shadow_origin_(size),
-      shadow_direction_(size),
+      shadow_(size),
       shadow_distance_(size),
       shadow_epsilon_(size),
       shadow_visibility_(size) {}
@@ -42,15 +43,34 @@ bool Illumination<Real>::has_occlusion() const {
   return picture_.shading.occlusion > 0 && !dark && !picture_.program->is_solid();
 }
 
+/// Ambient visibility of every point from samples along its normal. Their heights grow with the square of their number: near
+/// contact the first ones decide, and there they are dense.
+template <class Real>
+void Illumination<Real>::find_occlusion(SurfacePass<Real>& surface, const bool& cancelled) {
+  const Shading& shading = picture_.shading;
+  const auto distance = clamped<Real>(shading.occlusion_distance);
+  std::fill_n(ambient_.data(), surface.count(), Real(0));
+  Real weight = 1;
+  Real expected = 0;
+  for (int sample = 1; sample <= shading.occlusion; ++sample) {
+    weight *= Real(0.5);
+    const Real share = Real(sample) / Real(shading.occlusion);
+    const Real height = distance * share * share;
+    expected += weight * height;
+    kernels_.points_above(surface.view(), height, above_.view());
+    surface.field().distance(above_.read(), surface.count(), cancelled, field_above_.data());
+    kernels_.add_missing(field_above_.data(), surface.count(), height, weight, ambient_.data());
+  }
+  kernels_.occlusion(surface.count(), expected, ambient_.data());
+}
+
 template <class Real>
 void Illumination<Real>::add_ambient(SurfacePass<Real>& surface, const VectorBuffer<Real>& albedo,
                                      const bool& cancelled, RenderStats& stats) {
   const Shading& shading = picture_.shading;
   const Vec3& ambient = picture_.scene->ambient;
   if (has_occlusion()) {
-    LoadedTape<Real>& field = surface.field();
-    kernels_.occlusion(field.view(), field.memory(), surface.view(), shading.occlusion,
-                       clamped<Real>(shading.occlusion_distance), &cancelled, ambient_.data());
+    find_occlusion(surface, cancelled);
     stats.occlusion_evaluations += surface.count() * static_cast<std::uint64_t>(shading.occlusion);
   } else {
     std::fill_n(ambient_.data(), surface.count(), Real(1));
@@ -94,19 +114,19 @@ void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& l
     if (!(cosine_[i] > Real(0) && strength_[i] > Real(0))) continue;
     const std::size_t k = lit_.size();
     lit_.push(i);
-    shadow_origin_.x[k] = surface.origin.x[i];
-    shadow_origin_.y[k] = surface.origin.y[i];
-    shadow_origin_.z[k] = surface.origin.z[i];
+    shadow_.origin.x[k] = surface.origin.x[i];
+    shadow_.origin.y[k] = surface.origin.y[i];
+    shadow_.origin.z[k] = surface.origin.z[i];
     if (directional) continue;
-    shadow_direction_.x[k] = toward_.x[i];
-    shadow_direction_.y[k] = toward_.y[i];
-    shadow_direction_.z[k] = toward_.z[i];
+    shadow_.direction.x[k] = toward_.x[i];
+    shadow_.direction.y[k] = toward_.y[i];
+    shadow_.direction.z[k] = toward_.z[i];
     shadow_distance_[k] = distance_[i];
   }
   // no pixel footprint: in a corner the other wall is often nearer than that, and would cast a shadow
-  set_epsilons(picture_.march, shadow_origin_, lit_.size(), shadow_epsilon_);
+  set_epsilons(picture_.march, shadow_.origin, lit_.size(), shadow_epsilon_);
 
-  RayColumns<Real> columns = own_columns(shadow_origin_, shadow_direction_, shadow_epsilon_);
+  RayColumns<Real> columns = own_columns(shadow_.origin, shadow_.direction, shadow_epsilon_);
   kernels::Column<Real> t_max{shadow_distance_.data(), 0};
   if (directional) {
     columns.dx = {nullptr, toward_.x[0]};
@@ -114,13 +134,12 @@ void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& l
     columns.dz = {nullptr, toward_.z[0]};
     t_max = {nullptr, distance_[0]};
   }
-  const kernels::RayView<Real> rays = columns.view(t_max, lit_.size());
+  const kernels::RayView<Real> rays = columns.view({}, t_max, lit_.size());
   const kernels::MarchParameters<Real> parameters =
-      secondary_parameters(*picture_.program, picture_.march, columns.epsilon_slope, cancelled);
+      shadow_parameters(*picture_.program, picture_.march, columns.epsilon_slope, cancelled);
   const bool soft = picture_.shading.shadows == Shadows::kSoft && !picture_.program->is_solid();
   const Real k = soft ? clamped<Real>(picture_.shading.shadow_k) : std::numeric_limits<Real>::infinity();
-  LoadedTape<Real>& field = surface.field();
-  kernels_.shadow(field.view(), field.memory(), rays, parameters, k, shadow_visibility_.data(), stats.shadow);
+  surface.field().cast_shadows(rays, parameters, k, shadow_, shadow_visibility_.data(), stats.shadow);
   stats.shadow_rays += lit_.size();
   for (std::size_t k = 0; k < lit_.size(); ++k) visibility_[lit_[k]] = shadow_visibility_[k];
 }

@@ -27,6 +27,7 @@ class Illumination {
   bool has_occlusion() const;
   void add_ambient(SurfacePass<Real>& surface, const VectorBuffer<Real>& albedo, const bool& cancelled,
                    RenderStats& stats);
+  void find_occlusion(SurfacePass<Real>& surface, const bool& cancelled);
   void cast_shadows(SurfacePass<Real>& surface, const Light& light, const bool& cancelled, RenderStats& stats);
 
   kernels::LightView<Real> light_view(const Light& light) const;
@@ -38,9 +39,11 @@ class Illumination {
   const kernels::KernelTable<Real>& kernels_;
   VectorBuffer<Real> color_, toward_;
   Buffer<Real> distance_, cosine_, strength_, visibility_, ambient_;
+  VectorBuffer<Real> above_;  ///< where occlusion is sampled
+  Buffer<Real> field_above_;
   // shadow rays, gathered where a light is above the surface's horizon and sends light
   IndexList lit_;
-  VectorBuffer<Real> shadow_origin_, shadow_direction_;
+  RayBatch<Real> shadow_;
   Buffer<Real> shadow_distance_, shadow_epsilon_, shadow_visibility_;
 };
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "octomarch/kernels/dispatch.hpp"
-#include "octomarch/program/program.hpp"
+#include "octomarch/program/prune.hpp"
 #include "octomarch/render/buffer.hpp"
 
 namespace octomarch {
@@ -27,17 +27,23 @@ class LoadedTape {
   }
 
   kernels::TapeView<Real> view() const {
-    const Real* constants = nullptr;
-    if constexpr (std::is_same_v<Real, float>) {
-      constants = tape_.constants_f32.data();
-    } else {
-      constants = tape_.constants.data();
-    }
-    return {tape_.code.data(), tape_.code.size(), constants, tape_.registers, tape_.result(), images_.data()};
+    return {tape_.code.data(), tape_.code.size(), constants(), tape_.registers, tape_.result(), images_.data()};
+  }
+  /// A part of the tape, which needs no more memory than the whole.
+  kernels::TapeView<Real> view(const TapePart& part) const {
+    return {part.code.data(), part.code.size(), constants(), part.registers, part.results.front(), images_.data()};
   }
   Real* memory() { return memory_.data(); }
 
  private:
+  const Real* constants() const {
+    if constexpr (std::is_same_v<Real, float>) {
+      return tape_.constants_f32.data();
+    } else {
+      return tape_.constants.data();
+    }
+  }
+
   static std::size_t rows(const Tape& tape, TapeUse use) {
     const std::size_t file = tape.registers;
     switch (use) {

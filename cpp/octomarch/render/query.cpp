@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -40,6 +41,19 @@ void for_each_chunk(const Program& program, std::size_t count, std::size_t evalu
       how.listener);
 }
 
+/// An octree for many points, or for rays from them that go on for `reach`; null where they are too few to be worth one.
+template <class Real>
+std::unique_ptr<Octree<Real>> octree_for_points(const Program& program, const double* points, std::size_t count,
+                                                const March& march = {}, double reach = 0.0) {
+  constexpr std::size_t kMany = 4096;
+  if (count < kMany || program.distance().code.size() > 64 * count) return nullptr;
+  double farthest = 0.0;
+  for (std::size_t i = 0; i < 3 * count; ++i) {
+    if (std::isfinite(points[i])) farthest = std::max(farthest, std::fabs(points[i]));
+  }
+  return octree_for<Real>(program, march, {}, 2.0 * farthest + reach);
+}
+
 /// Points of one chunk as rows of Real.
 template <class Real>
 void split(const double* points, std::size_t count, VectorBuffer<Real>& rows) {
@@ -52,30 +66,37 @@ void split(const double* points, std::size_t count, VectorBuffer<Real>& rows) {
 
 /// Scratch of one worker, made when it takes its first task.
 template <class Scratch, class... Arguments>
-Scratch& scratch_of(std::vector<std::optional<Scratch>>& all, std::size_t worker, const Arguments&... arguments) {
+Scratch& scratch_of(std::vector<std::optional<Scratch>>& all, std::size_t worker, Arguments&&... arguments) {
   if (!all[worker]) all[worker].emplace(arguments...);
   return *all[worker];
 }
 
 template <class Real>
 struct PointScratch {
-  PointScratch(const Program& program, TapeUse use, std::size_t size)
-      : field(program.distance(), use), points(size), out(size) {}
+  PointScratch(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels,
+               std::size_t size)
+      : field(program, octree, kernels, size), points(size), out(size) {}
 
-  LoadedTape<Real> field;
+  Field<Real> field;
   VectorBuffer<Real> points;
   VectorBuffer<Real> out;
 };
 
 template <class Real>
 struct RayScratch {
-  RayScratch(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size)
-      : batch(size), length(size), t_max(size), epsilon(size), surface(program, kernels, size) {}
+  RayScratch(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels, std::size_t size)
+      : batch(size),
+        length(size),
+        t_max(size),
+        epsilon(size),
+        field(program, octree, kernels, size),
+        surface(field, kernels, size) {}
 
   RayBatch<Real> batch;
   std::vector<double> length;
   Buffer<Real> t_max;
   Buffer<Real> epsilon;
+  Field<Real> field;
   SurfacePass<Real> surface;
 };
 
@@ -136,25 +157,26 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
 
 template <class Real>
 void query_distance(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
+  const auto octree = octree_for_points<Real>(program, points, count);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, 1, how,
-                 [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-                   auto& s = scratch_of(scratch, worker, program, TapeUse::kValues, chunk_size(program));
-                   split(points + 3 * first, n, s.points);
-                   how.isa->table<Real>().distance(s.field.view(), s.field.memory(), s.points.read(), n, &cancelled,
-                                                   s.out.x.data());
-                   std::copy_n(s.out.x.data(), n, out + first);
-                 });
+  for_each_chunk(
+      program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+        auto& s = scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), chunk_size(program));
+        split(points + 3 * first, n, s.points);
+        s.field.distance(s.points.read(), n, cancelled, s.out.x.data());
+        std::copy_n(s.out.x.data(), n, out + first);
+      });
 }
 
 template <class Real>
 void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
+  const auto octree = octree_for_points<Real>(program, points, count);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s = scratch_of(scratch, worker, program, TapeUse::kGradients, chunk_size(program));
+        auto& s = scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), chunk_size(program));
         split(points + 3 * first, n, s.points);
-        how.isa->table<Real>().gradient(s.field.view(), s.field.memory(), s.points.read(), n, &cancelled, s.out.view());
+        s.field.gradient(s.points.read(), n, cancelled, s.out.view());
         for (std::size_t i = 0; i < n; ++i) {
           const bool is_nan = std::isnan(s.points.x[i]) || std::isnan(s.points.y[i]) || std::isnan(s.points.z[i]);
           const Real nan = std::numeric_limits<Real>::quiet_NaN();
@@ -169,28 +191,28 @@ template <class Real>
 void query_rays(const Program& program, const double* origins, const double* directions, std::size_t count,
                 const March& march, const Shading& shading, double t_max, const Hits<Real>& out, const Execution& how) {
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
+  const auto octree = octree_for_points<Real>(program, origins, count, march, march.max_distance);
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(
-      program, count, static_cast<std::size_t>(march.max_steps), how,
-      [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s = scratch_of(scratch, worker, program, kernels, chunk_size(program));
-        set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
-        const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
-        const kernels::RayView<Real> rays = columns.view({s.t_max.data(), 0}, n);
-        const kernels::MarchParameters<Real> parameters =
-            march_parameters(program, march, columns.epsilon_slope, cancelled);
-        const kernels::MarchOutput<Real> found{s.batch.t.data(), s.batch.unfinished.data(), s.batch.status.data(),
-                                               out.steps ? out.steps + first : nullptr};
-        kernels::Counters counters;
-        kernels.march(s.surface.field().view(), s.surface.field().memory(), rays, parameters, found, counters);
-        for (std::size_t i = 0; i < n; ++i) {
-          out.t[first + i] = static_cast<Real>(static_cast<double>(s.batch.t[i]) / s.length[i]);
-        }
-        if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
-        if (out.position || out.normal || out.object_id || out.material_id) {
-          write_surfaces(s, program, first, n, columns, shading, out, cancelled);
-        }
-      });
+  for_each_chunk(program, count, static_cast<std::size_t>(march.max_steps), how,
+                 [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+                   auto& s = scratch_of(scratch, worker, program, octree.get(), kernels, chunk_size(program));
+                   set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
+                   const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
+                   const kernels::RayView<Real> rays =
+                       columns.view({nullptr, clamped<Real>(march.min_distance)}, {s.t_max.data(), 0}, n);
+                   const kernels::MarchParameters<Real> parameters =
+                       march_parameters(program, march, columns.epsilon_slope, cancelled);
+                   kernels::Counters counters;
+                   s.surface.field().march(rays, parameters, s.batch, out.steps ? out.steps + first : nullptr,
+                                           counters);
+                   for (std::size_t i = 0; i < n; ++i) {
+                     out.t[first + i] = static_cast<Real>(static_cast<double>(s.batch.t[i]) / s.length[i]);
+                   }
+                   if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
+                   if (out.position || out.normal || out.object_id || out.material_id) {
+                     write_surfaces(s, program, first, n, columns, shading, out, cancelled);
+                   }
+                 });
 }
 
 template void query_distance(const Program&, const double*, std::size_t, float*, const Execution&);

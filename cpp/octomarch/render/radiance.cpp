@@ -34,10 +34,8 @@ void Radiance<Real>::follow_mirrors(SurfacePass<Real>& surface, const bool& canc
     const RayColumns<Real> columns = own_columns(batch.origin, batch.direction, mirror_->epsilon);
     const kernels::MarchParameters<Real> parameters =
         secondary_parameters(*picture_.program, picture_.march, columns.epsilon_slope, cancelled);
-    LoadedTape<Real>& field = surface.field();
-    kernels_.march(field.view(), field.memory(),
-                   columns.view({nullptr, clamped<Real>(picture_.march.max_distance)}, count), parameters,
-                   {batch.t.data(), batch.unfinished.data(), batch.status.data(), nullptr}, stats.reflection);
+    surface.field().march(columns.view({}, {nullptr, clamped<Real>(picture_.march.max_distance)}, count), parameters,
+                          batch, nullptr, stats.reflection);
     stats.reflection_rays += count;
     if (is_set(cancelled)) return;
     surface.gather(batch, columns, count);

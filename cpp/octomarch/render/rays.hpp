@@ -11,18 +11,37 @@
 
 namespace octomarch {
 
-/// Rays and what the march made of them, `size` at the most.
+/// Rays and what the march made of them, `size` at the most, rounded up to whole blocks.
 template <class Real>
 struct RayBatch {
-  explicit RayBatch(std::size_t size)
-      : origin(size), direction(size), t(size), unfinished(size), status(size), steps(size) {}
+  explicit RayBatch(std::size_t size) : RayBatch(kernels::padded_lanes(size), 0) {}
 
   VectorBuffer<Real> origin;     ///< not used where all rays share one
   VectorBuffer<Real> direction;  ///< likewise
+  Buffer<Real> start;            ///< likewise
   Buffer<Real> t;
-  Buffer<Real> unfinished;
   Buffer<std::uint8_t> status;
-  Buffer<std::int32_t> steps;
+
+  /// What a march works on; `steps` may be null.
+  kernels::MarchState<Real> state(std::int32_t* steps) {
+    return {t.data(), radius_.data(), before_.data(), stride_.data(), boldness_.data(), pause_.data(), steps};
+  }
+
+ private:
+  RayBatch(std::size_t padded, int /*tag*/)
+      : origin(padded),
+        direction(padded),
+        start(padded),
+        t(padded),
+        status(padded),
+        radius_(padded),
+        before_(padded),
+        stride_(padded),
+        boldness_(padded),
+        pause_(padded) {}
+
+  Buffer<Real> radius_, before_, stride_, boldness_;
+  Buffer<std::uint8_t> pause_;
 };
 
 /// Origin and direction columns of a batch, and the hit epsilon's two parts.
@@ -37,8 +56,10 @@ struct RayColumns {
     return column.values == nullptr ? column.value : column.values[i];
   }
 
-  kernels::RayView<Real> view(const kernels::Column<Real>& t_max, std::size_t count) const {
-    return {ox, oy, oz, dx, dy, dz, t_max, epsilon, count};
+  /// Rays that begin at t = `start`, and end at `t_max`.
+  kernels::RayView<Real> view(const kernels::Column<Real>& start, const kernels::Column<Real>& t_max,
+                              std::size_t count) const {
+    return {ox, oy, oz, dx, dy, dz, start, t_max, epsilon, count};
   }
 };
 
@@ -61,18 +82,24 @@ void set_epsilons(const March& march, const VectorBuffer<Real>& origin, std::siz
   }
 }
 
+/// With a bias steps are not relaxed: what goes beyond the field is the opposite.
+inline kernels::Stepping stepping_of(const March& march) {
+  using kernels::Stepping;
+  if (march.method == Method::kFixed) return Stepping::kFixed;
+  if (march.bias != 0.0) return Stepping::kBiased;
+  if (march.method == Method::kPlain) return Stepping::kPlain;
+  return march.method == Method::kRelaxed ? Stepping::kRelaxed : Stepping::kEnhanced;
+}
+
 template <class Real>
 kernels::MarchParameters<Real> march_parameters(const Program& program, const March& march, Real epsilon_slope,
                                                 const bool& cancelled) {
-  const bool plain = march.min_distance == 0.0 && march.bias == 0.0;
-  kernels::Stepping stepping = plain ? kernels::Stepping::kPlain : kernels::Stepping::kBiased;
-  if (march.method == Method::kFixed) stepping = kernels::Stepping::kFixed;
   return {static_cast<Real>(1.0 / program.lipschitz()),
           epsilon_slope,
           march.max_steps,
           march.finish,
           &cancelled,
-          stepping,
+          stepping_of(march),
           clamped<Real>(march.min_distance),
           clamped<Real>(march.bias),
           clamped<Real>(march.step)};
@@ -84,6 +111,14 @@ kernels::MarchParameters<Real> secondary_parameters(const Program& program, Marc
                                                     const bool& cancelled) {
   march.min_distance = 0.0;
   return march_parameters(program, march, epsilon_slope, cancelled);
+}
+
+/// The same for shadow rays: how much of a light passes is read off the samples of plain steps.
+template <class Real>
+kernels::MarchParameters<Real> shadow_parameters(const Program& program, March march, Real epsilon_slope,
+                                                 const bool& cancelled) {
+  if (!is_fixed(march.method)) march.method = Method::kPlain;
+  return secondary_parameters(program, march, epsilon_slope, cancelled);
 }
 
 }  // namespace octomarch

@@ -12,6 +12,7 @@ namespace {
 
 void add_all(RenderStats& sum, const RenderStats& part) {
   sum.rays += part.rays;
+  add(sum.cones, part.cones);
   add(sum.primary, part.primary);
   add(sum.shadow, part.shadow);
   add(sum.reflection, part.reflection);
@@ -34,19 +35,28 @@ RenderStats render(const Picture& picture, const Planes<Real>& planes, const ker
                    const Listener& listener) {
   const TileGrid grid(picture);
   const Expressions sky = planes.color ? compile_expressions(picture.scene->sky.color) : Expressions{};
+  // mirror and shadow rays go as far from what camera rays have met
+  const std::unique_ptr<Octree<Real>> octree =
+      octree_for<Real>(*picture.program, picture.march, picture.camera.eye, 2.0 * picture.march.max_distance);
   const unsigned workers = thread_count(threads);
   std::vector<std::unique_ptr<TileRenderer<Real>>> renderers(std::min<std::size_t>(workers, grid.count()));
   parallel_for(
       grid.count(), workers,
       [&](std::size_t tile, std::size_t worker, const bool& cancelled) {
         auto& renderer = renderers[worker];
-        if (!renderer) renderer = std::make_unique<TileRenderer<Real>>(picture, sky, planes, isa.table<Real>(), grid);
+        if (!renderer) {
+          renderer = std::make_unique<TileRenderer<Real>>(picture, octree.get(), sky, planes, isa.table<Real>(), grid);
+        }
         renderer->render(tile, cancelled);
       },
       listener);
   RenderStats stats;
   for (const auto& renderer : renderers) {
     if (renderer) add_all(stats, renderer->stats());
+  }
+  if (octree) {
+    stats.cells = octree->cells();
+    stats.cell_bytes = octree->bytes();
   }
   return stats;
 }

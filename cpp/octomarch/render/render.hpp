@@ -46,7 +46,8 @@ inline void add(kernels::Counters& sum, const kernels::Counters& part) {
 
 /// Exact counts of the work, and seconds summed over the workers.
 struct RenderStats {
-  std::uint64_t rays = 0;  ///< primary ones
+  std::uint64_t rays = 0;   ///< primary ones
+  kernels::Counters cones;  ///< marched for the primary ones
   kernels::Counters primary;
   kernels::Counters shadow;
   kernels::Counters reflection;
@@ -57,6 +58,8 @@ struct RenderStats {
   std::uint64_t attribute_evaluations = 0;  ///< of object ids
   std::uint64_t surface_evaluations = 0;    ///< of materials that differ from point to point
   std::uint64_t sky_evaluations = 0;        ///< of a sky that differs from direction to direction
+  std::uint64_t cells = 0;                  ///< of the octree that were made
+  std::uint64_t cell_bytes = 0;             ///< of memory that they take
   double seconds_march = 0.0;
   double seconds_shade = 0.0;    ///< of what camera rays found
   double seconds_reflect = 0.0;  ///< marching and shading of mirror rays

@@ -32,19 +32,19 @@ std::vector<Real> neighbours() {
 }  // namespace
 
 template <class Real>
-SurfacePass<Real>::SurfacePass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size)
+SurfacePass<Real>::SurfacePass(Field<Real>& field, const kernels::KernelTable<Real>& kernels, std::size_t size)
     : position(size),
       direction(size),
       normal(size),
       facing(size),
       origin(size),
       epsilon(size),
-      program_(program),
+      program_(field.program()),
       kernels_(kernels),
       ray_(size),
       status_(size),
       object_(size),
-      field_(program.distance(), TapeUse::kMarches) {}
+      field_(field) {}
 
 template <class Real>
 void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count) {
@@ -72,13 +72,12 @@ template <class Real>
 std::uint64_t SurfacePass<Real>::find_normals(const Shading& shading, const bool& cancelled) {
   std::uint64_t evaluations = count();
   if (shading.normals == Normals::kExact && !program_.is_solid()) {
-    if (!gradient_) gradient_.emplace(program_.distance(), TapeUse::kGradients);
-    kernels_.gradient(gradient_->view(), gradient_->memory(), position.read(), count(), &cancelled, normal.view());
+    field_.gradient(position.read(), count(), cancelled, normal.view());
   } else {
     if (offsets_.empty()) offsets_ = program_.is_solid() ? neighbours<Real>() : stencil<Real>(shading.normals);
     const kernels::StencilView<Real> around{offsets_.data(), offsets_.size() / 3, clamped<Real>(shading.normal_step),
                                             program_.is_solid()};
-    kernels_.sample_around(field_.view(), field_.memory(), position.read(), count(), around, &cancelled, normal.view());
+    field_.sample_around(position.read(), count(), around, cancelled, normal.view());
     evaluations *= around.count;
   }
   kernels_.normalize(view());

@@ -7,7 +7,7 @@
 
 #include "octomarch/graph/scene.hpp"
 #include "octomarch/kernels/dispatch.hpp"
-#include "octomarch/render/loaded_tape.hpp"
+#include "octomarch/render/field.hpp"
 #include "octomarch/render/rays.hpp"
 
 namespace octomarch {
@@ -16,7 +16,8 @@ namespace octomarch {
 template <class Real>
 class SurfacePass {
  public:
-  SurfacePass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size);
+  /// `field` must outlive this.
+  SurfacePass(Field<Real>& field, const kernels::KernelTable<Real>& kernels, std::size_t size);
 
   /// Collects the rays whose status is kHit or kStepLimit.
   void gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count);
@@ -39,8 +40,7 @@ class SurfacePass {
     return normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i] >= Real(0);
   }
   kernels::SurfaceView<Real> view();
-  /// The distance program, with memory for marches.
-  LoadedTape<Real>& field() { return field_; }
+  Field<Real>& field() { return field_; }
 
   VectorBuffer<Real> position, direction, normal, facing, origin;
   Buffer<Real> epsilon;
@@ -52,8 +52,7 @@ class SurfacePass {
   Buffer<std::uint8_t> status_;
   bool has_candidates_ = false;
   Buffer<Real> object_;
-  LoadedTape<Real> field_;
-  std::optional<LoadedTape<Real>> gradient_;
+  Field<Real>& field_;
   std::vector<Real> offsets_;  ///< of samples around a point, where normals are no gradients
   std::optional<LoadedTape<Real>> attributes_;
 };

@@ -10,40 +10,66 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+constexpr std::size_t kPacketsAcross = kernels::kBlockEdge / kernels::kPacketWidth;
+
+/// A pixel of the whole picture.
+struct Pixel {
+  std::uint32_t x, y;
+};
+
+Pixel pixel_of(const kernels::TileView& tile, std::size_t ray) {
+  const std::size_t block = ray / kernels::kLanes;
+  const std::size_t packet = ray % kernels::kLanes / kernels::kPacketLanes;
+  const std::size_t lane = ray % kernels::kPacketLanes;
+  const std::size_t x = tile.x + block % tile.blocks_across * kernels::kBlockEdge +
+                        packet % kPacketsAcross * kernels::kPacketWidth + lane % kernels::kPacketWidth;
+  const std::size_t y = tile.y + block / tile.blocks_across * kernels::kBlockEdge +
+                        packet / kPacketsAcross * kernels::kPacketHeight + lane / kernels::kPacketWidth;
+  return {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)};
+}
+
+bool contains(const Crop& crop, const Pixel& pixel) {
+  return pixel.x >= crop.x && pixel.x - crop.x < crop.width && pixel.y >= crop.y && pixel.y - crop.y < crop.height;
+}
+
+/// Index of a pixel in planes that hold a crop.
+std::size_t index_in(const Crop& crop, const Pixel& pixel) {
+  return std::size_t{pixel.y - crop.y} * crop.width + (pixel.x - crop.x);
+}
+
 /// Calls f(pixel, ray, count) for each row of a packet that lies in the planes: `count` pixels side by side from index
 /// `pixel` of the planes on, and as many rays from index `ray` of the tile on.
 template <class Function>
-void for_each_run(const kernels::TileView& tile, Function&& f) {
-  for (std::uint32_t packet_y = 0; packet_y < tile.packets_down; ++packet_y) {
-    for (std::uint32_t packet_x = 0; packet_x < tile.packets_across; ++packet_x) {
-      const std::size_t first = (std::size_t{packet_y} * tile.packets_across + packet_x) * kernels::kPacketLanes;
-      const std::size_t x = tile.x + packet_x * kernels::kPacketWidth;
-      const std::size_t count = std::min<std::size_t>(kernels::kPacketWidth, tile.width - x);
-      for (std::size_t row = 0; row < kernels::kPacketHeight; ++row) {
-        const std::size_t y = tile.y + packet_y * kernels::kPacketHeight + row;
-        if (y < tile.height) f(y * tile.width + x, first + row * kernels::kPacketWidth, count);
+void for_each_run(const kernels::TileView& tile, const Crop& crop, Function&& f) {
+  for (std::size_t block = 0; block < tile.rays(); block += kernels::kLanes) {
+    const Pixel corner = pixel_of(tile, block);
+    const bool whole = contains(crop, corner) && contains(crop, pixel_of(tile, block + kernels::kLanes - 1));
+    for (std::size_t lane = 0; lane < kernels::kLanes; lane += kernels::kPacketWidth) {
+      const std::size_t packet = lane / kernels::kPacketLanes;
+      const Pixel first{corner.x + static_cast<std::uint32_t>(packet % kPacketsAcross * kernels::kPacketWidth),
+                        corner.y + static_cast<std::uint32_t>(packet / kPacketsAcross * kernels::kPacketHeight +
+                                                              lane % kernels::kPacketLanes / kernels::kPacketWidth)};
+      if (whole) {  // the common case, in which the count is known
+        f(index_in(crop, first), block + lane, kernels::kPacketWidth);
+        continue;
       }
+      if (first.y < crop.y || first.y - crop.y >= crop.height) continue;
+      const std::uint32_t begin = std::max(first.x, crop.x);
+      const std::uint32_t end = std::min(first.x + std::uint32_t{kernels::kPacketWidth}, crop.x + crop.width);
+      if (begin < end) f(index_in(crop, {begin, first.y}), block + lane + (begin - first.x), std::size_t{end - begin});
     }
   }
 }
 
 template <class T>
-void write_plane(const kernels::TileView& tile, T* plane, const T* rays) {
-  for_each_run(tile, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
+void write_plane(const kernels::TileView& tile, const Crop& crop, T* plane, const T* rays) {
+  for_each_run(tile, crop, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
     if (count == kernels::kPacketWidth) {  // the common case: a copy of known size is one move
       std::copy_n(rays + ray, kernels::kPacketWidth, plane + pixel);
     } else {
       std::copy_n(rays + ray, count, plane + pixel);
     }
   });
-}
-
-std::size_t pixel_of(const kernels::TileView& tile, std::size_t ray) {
-  const std::size_t packet = ray / kernels::kPacketLanes;
-  const std::size_t lane = ray % kernels::kPacketLanes;
-  const std::size_t x = tile.x + packet % tile.packets_across * kernels::kPacketWidth + lane % kernels::kPacketWidth;
-  const std::size_t y = tile.y + packet / tile.packets_across * kernels::kPacketHeight + lane / kernels::kPacketWidth;
-  return y * tile.width + x;
 }
 
 template <class Real>
@@ -58,29 +84,30 @@ void store(Real* plane, std::size_t pixel, Real x, Real y, Real z) {
 /// Large tiles keep blocks full for longer; long programs get small ones, so that a cancelled render ends soon.
 TileGrid::TileGrid(const Picture& picture)
     : crop(picture.crop),
-      edge(picture.program->distance().code.size() < 1000 ? 64 : 16),
-      across((crop.width + edge - 1) / edge),
-      down((crop.height + edge - 1) / edge) {}
+      width(picture.width),
+      height(picture.height),
+      edge(64),
+      left(crop.x / edge),
+      top(crop.y / edge),
+      across((crop.x + crop.width - 1) / edge - left + 1),
+      down((crop.y + crop.height - 1) / edge - top + 1) {}
 
 kernels::TileView TileGrid::tile(std::size_t index) const {
-  const std::uint32_t x = static_cast<std::uint32_t>(index % across) * edge;
-  const std::uint32_t y = static_cast<std::uint32_t>(index / across) * edge;
-  const auto packets = [](std::uint32_t pixels, std::size_t size) {
-    return static_cast<std::uint32_t>((pixels + size - 1) / size);
+  constexpr std::uint32_t kBlock = kernels::kBlockEdge;
+  const auto range = [this](std::uint32_t tile, std::uint32_t first, std::uint32_t count) {
+    const std::uint32_t begin = std::max(tile * edge, first) / kBlock * kBlock;
+    const std::uint32_t end = std::min(tile * edge + edge, first + count);
+    return std::pair(begin, (end - begin + kBlock - 1) / kBlock);
   };
-  return {x,
-          y,
-          packets(std::min(edge, crop.width - x), kernels::kPacketWidth),
-          packets(std::min(edge, crop.height - y), kernels::kPacketHeight),
-          crop.width,
-          crop.height,
-          crop.x,
-          crop.y};
+  const auto [x, blocks_across] = range(left + static_cast<std::uint32_t>(index % across), crop.x, crop.width);
+  const auto [y, blocks_down] = range(top + static_cast<std::uint32_t>(index / across), crop.y, crop.height);
+  return {x, y, blocks_across, blocks_down, width, height};
 }
 
 template <class Real>
-TileRenderer<Real>::TileRenderer(const Picture& picture, const Expressions& sky, const Planes<Real>& planes,
-                                 const kernels::KernelTable<Real>& kernels, const TileGrid& grid)
+TileRenderer<Real>::TileRenderer(const Picture& picture, Octree<Real>* octree, const Expressions& sky,
+                                 const Planes<Real>& planes, const kernels::KernelTable<Real>& kernels,
+                                 const TileGrid& grid)
     : picture_(picture),
       wanted_(planes),
       samples_(sample_points(picture.samples)),
@@ -89,8 +116,9 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, const Expressions& sky,
       grid_(grid),
       frame_(frame(picture.camera, picture.width, picture.height)),
       batch_(kernels::padded_lanes(grid.rays())),
-      field_(picture.program->distance(), TapeUse::kMarches) {
-  if (needs_surface()) surface_.emplace(*picture.program, kernels, batch_.t.size());
+      steps_(batch_.t.size()),
+      field_(*picture.program, octree, kernels, grid.rays()) {
+  if (needs_surface()) surface_.emplace(field_, kernels, batch_.t.size());
   if (planes.color) radiance_.emplace(picture, sky, kernels, batch_.t.size());
   if (planes.color && samples_.size() > 1) sum_ = Buffer<double>(3 * batch_.t.size());
 
@@ -151,7 +179,7 @@ void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& p
   planes_ = planes;
   const auto start = std::chrono::steady_clock::now();
   cast(tile, point);
-  march(cancelled);
+  march(tile, cancelled);
   stats_.seconds_march += seconds_since(start);
   if (is_set(cancelled)) return;
 
@@ -178,10 +206,7 @@ void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& p
 /// Rays through one point of each pixel of a tile.
 template <class Real>
 void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& point) {
-  rays_ = std::size_t{tile.packets_across} * tile.packets_down * kernels::kPacketLanes;
-  const std::uint32_t across = tile.packets_across * std::uint32_t{kernels::kPacketWidth};
-  const std::uint32_t down = tile.packets_down * std::uint32_t{kernels::kPacketHeight};
-  stats_.rays += std::uint64_t{std::min(across, tile.width - tile.x)} * std::min(down, tile.height - tile.y);
+  rays_ = tile.rays();
   if (frame_.kind == CameraKind::kPanoramic) {
     panoramic_rays(frame_, tile, point, batch_.direction);
   } else {
@@ -190,30 +215,52 @@ void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& p
   }
 }
 
+/// Rays of pixels that are not in the crop were there for the cones alone: they become invalid.
 template <class Real>
-void TileRenderer<Real>::march(const bool& cancelled) {
-  const kernels::RayView<Real> rays = columns_.view({nullptr, clamped<Real>(picture_.march.max_distance)}, rays_);
+void TileRenderer<Real>::drop_rays_outside(const kernels::TileView& tile) {
+  const Crop& crop = grid_.crop;
+  const Pixel end{tile.x + tile.blocks_across * std::uint32_t{kernels::kBlockEdge},
+                  tile.y + tile.blocks_down * std::uint32_t{kernels::kBlockEdge}};
+  const auto within = [](std::uint32_t from, std::uint32_t to, std::uint32_t first, std::uint32_t count) {
+    return std::min(to, first + count) - std::max(from, first);
+  };
+  const std::size_t wanted =
+      std::size_t{within(tile.x, end.x, crop.x, crop.width)} * within(tile.y, end.y, crop.y, crop.height);
+  stats_.rays += wanted;
+  if (wanted == rays_) return;
+  Buffer<Real>& component = frame_.one_origin() ? batch_.direction.x : batch_.origin.x;
+  for (std::size_t ray = 0; ray < rays_; ++ray) {
+    if (!contains(crop, pixel_of(tile, ray))) component[ray] = std::numeric_limits<Real>::quiet_NaN();
+  }
+}
+
+template <class Real>
+void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancelled) {
+  const kernels::Column<Real> t_max{nullptr, clamped<Real>(picture_.march.max_distance)};
   const kernels::MarchParameters<Real> parameters =
       march_parameters(*picture_.program, picture_.march, columns_.epsilon_slope, cancelled);
-  const bool needs_status = planes_.status || needs_surface();
-  const kernels::MarchOutput<Real> out{batch_.t.data(), batch_.unfinished.data(),
-                                       needs_status ? batch_.status.data() : nullptr,
-                                       planes_.steps ? batch_.steps.data() : nullptr};
-  kernels_.march(field_.view(), field_.memory(), rays, parameters, out, stats_.primary);
+  kernels::Column<Real> start{nullptr, parameters.t_min};
+  if (picture_.march.method == Method::kAuto) {
+    field_.advance_together(columns_.view(start, t_max, rays_), parameters, batch_.start, stats_.cones);
+    start.values = batch_.start.data();
+  }
+  drop_rays_outside(tile);
+  field_.march(columns_.view(start, t_max, rays_), parameters, batch_, planes_.steps ? steps_.data() : nullptr,
+               stats_.primary);
 }
 
 template <class Real>
 void TileRenderer<Real>::write_rays(const kernels::TileView& tile) {
-  if (planes_.depth) write_plane(tile, planes_.depth, batch_.t.data());
-  if (planes_.status) write_plane(tile, planes_.status, batch_.status.data());
-  if (planes_.steps) write_plane(tile, planes_.steps, batch_.steps.data());
+  if (planes_.depth) write_plane(tile, grid_.crop, planes_.depth, batch_.t.data());
+  if (planes_.status) write_plane(tile, grid_.crop, planes_.status, batch_.status.data());
+  if (planes_.steps) write_plane(tile, grid_.crop, planes_.steps, steps_.data());
 }
 
 /// Values of pixels where no surface is; surfaces overwrite them.
 template <class Real>
 void TileRenderer<Real>::clear(const kernels::TileView& tile) {
   const Planes<Real>& p = planes_;
-  for_each_run(tile, [&](std::size_t pixel, std::size_t, std::size_t count) {
+  for_each_run(tile, grid_.crop, [&](std::size_t pixel, std::size_t, std::size_t count) {
     if (p.position) std::fill_n(p.position + 3 * pixel, 3 * count, Real(0));
     if (p.normal) std::fill_n(p.normal + 3 * pixel, 3 * count, Real(0));
     if (p.object_id) std::fill_n(p.object_id + pixel, count, -1);
@@ -226,7 +273,7 @@ void TileRenderer<Real>::write_surfaces(const kernels::TileView& tile) {
   const auto& p = planes_;
   const SurfacePass<Real>& s = *surface_;
   for (std::size_t i = 0; i < s.count(); ++i) {
-    const std::size_t pixel = pixel_of(tile, s.ray(i));
+    const std::size_t pixel = index_in(grid_.crop, pixel_of(tile, s.ray(i)));
     if (p.position) store(p.position, pixel, s.position.x[i], s.position.y[i], s.position.z[i]);
     if (p.normal) store(p.normal, pixel, s.normal.x[i], s.normal.y[i], s.normal.z[i]);
     if (p.object_id) p.object_id[pixel] = s.object(i);
@@ -240,7 +287,7 @@ template <class Real>
 void TileRenderer<Real>::write_color(const kernels::TileView& tile) {
   VectorBuffer<Real>& color = radiance_->color;
   kernels_.clamp_colors(color.view(), rays_);  // sums beyond all numbers
-  for_each_run(tile, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
+  for_each_run(tile, grid_.crop, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
     for (std::size_t i = 0; i < count; ++i) {
       store(planes_.color, pixel + i, color.x[ray + i], color.y[ray + i], color.z[ray + i]);
     }
@@ -251,7 +298,7 @@ void TileRenderer<Real>::write_color(const kernels::TileView& tile) {
 template <class Real>
 void TileRenderer<Real>::add_sample(const kernels::TileView& tile, std::size_t sample) {
   const auto count = static_cast<double>(samples_.size());
-  for_each_run(tile, [&](std::size_t first_pixel, std::size_t first_ray, std::size_t pixels) {
+  for_each_run(tile, grid_.crop, [&](std::size_t first_pixel, std::size_t first_ray, std::size_t pixels) {
     for (std::size_t i = 0; i < 3 * pixels; ++i) {
       Real& color = wanted_.color[3 * first_pixel + i];
       double& sum = sum_[3 * first_ray + i];

@@ -12,7 +12,8 @@
 
 namespace octomarch {
 
-/// Tiles of what is computed of a picture, row by row; edges are whole packets.
+/// Tiles of what is computed of a picture, row by row. Tiles and the blocks in them lie where they would lie in the whole
+/// picture, so that a crop has the same cones, and with them the same bits.
 struct TileGrid {
   TileGrid(const Picture& picture);
 
@@ -21,15 +22,17 @@ struct TileGrid {
   kernels::TileView tile(std::size_t index) const;
 
   Crop crop;
-  std::uint32_t edge;  ///< of a tile, pixels
+  std::uint32_t width, height;  ///< of the whole picture
+  std::uint32_t edge;           ///< of a tile, pixels
+  std::uint32_t left, top;      ///< column and row of the first tile in the whole picture
   std::uint32_t across, down;
 };
 
 template <class Real>
 class TileRenderer {
  public:
-  /// `sky`: the scene's, compiled; used where colour is wanted.
-  TileRenderer(const Picture& picture, const Expressions& sky, const Planes<Real>& planes,
+  /// `sky`: the scene's, compiled; used where colour is wanted. `octree`: of the distance program, or null.
+  TileRenderer(const Picture& picture, Octree<Real>* octree, const Expressions& sky, const Planes<Real>& planes,
                const kernels::KernelTable<Real>& kernels, const TileGrid& grid);
 
   /// Fills the planes of a tile. Colours of several samples take a pass for each, and the other planes one of their own
@@ -40,7 +43,8 @@ class TileRenderer {
  private:
   void pass(const kernels::TileView& tile, const PixelPoint& point, const Planes<Real>& planes, const bool& cancelled);
   void cast(const kernels::TileView& tile, const PixelPoint& point);
-  void march(const bool& cancelled);
+  void march(const kernels::TileView& tile, const bool& cancelled);
+  void drop_rays_outside(const kernels::TileView& tile);
   void clear(const kernels::TileView& tile);
   void write_rays(const kernels::TileView& tile);
   void write_surfaces(const kernels::TileView& tile);
@@ -59,7 +63,8 @@ class TileRenderer {
   RayBatch<Real> batch_;
   RayColumns<Real> columns_{};
   std::size_t rays_ = 0;  ///< of the current tile
-  LoadedTape<Real> field_;
+  Buffer<std::int32_t> steps_;
+  Field<Real> field_;
   std::optional<SurfacePass<Real>> surface_;
   std::optional<Radiance<Real>> radiance_;
   Buffer<double> sum_;  ///< of the colours of a tile's samples so far, in double so that equal ones have their own mean

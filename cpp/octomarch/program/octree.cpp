@@ -1,0 +1,176 @@
+#include "octomarch/program/octree.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string_view>
+#include <utility>
+
+namespace octomarch {
+
+namespace {
+
+/// A part this short is run as it is: another level would cost more than it saves.
+constexpr std::size_t kShort = 12;
+/// Parts that repeat are short ones.
+constexpr std::size_t kShared = 64;
+/// A cell that leaves more than this of its parent's part gains nothing; after so many in a row there are no more.
+constexpr double kStall = 0.8;
+constexpr unsigned kStalls = 3;
+/// That counts for cells smaller than this part of the focus: from far away all of it is alike.
+constexpr double kDetail = 1.0 / 16.0;
+/// Where it ends, cells that are there already serve.
+constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+/// Tapes shorter than this are run whole.
+constexpr std::size_t kLong = 48;
+
+template <class Real>
+Region<Real> octant_of(const Region<Real>& region, const Real (&middle)[3], unsigned octant) {
+  Region<Real> child = region;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    ((octant >> axis & 1U) != 0 ? child.lo : child.hi)[axis] = middle[axis];
+  }
+  return child;
+}
+
+template <class Real>
+void set_middle(const Region<Real>& region, Real (&middle)[3]) {
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    middle[axis] = region.lo[axis] + (region.hi[axis] - region.lo[axis]) * Real(0.5);
+  }
+}
+
+template <class Real>
+Region<Real> cube_about(const Aabb& focus, double half) {
+  const double middle[3] = {0.5 * (focus.lo.x + focus.hi.x), 0.5 * (focus.lo.y + focus.hi.y),
+                            0.5 * (focus.lo.z + focus.hi.z)};
+  Region<Real> cube;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    cube.lo[axis] = static_cast<Real>(middle[axis] - half);
+    cube.hi[axis] = static_cast<Real>(middle[axis] + half);
+  }
+  return cube;
+}
+
+double longest_side(const Aabb& box) {
+  return std::max({box.hi.x - box.lo.x, box.hi.y - box.lo.y, box.hi.z - box.lo.z});
+}
+
+std::size_t hash_of(const TapePart& part) {
+  const auto* bytes = reinterpret_cast<const char*>(part.code.data());
+  return std::hash<std::string_view>()({bytes, part.code.size() * sizeof(Instruction)});
+}
+
+}  // namespace
+
+template <class Real>
+Octree<Real>::Octree(const Tape& tape, const Aabb& focus, double reach)
+    : tape_(tape), focus_size_(static_cast<Real>(longest_side(focus))) {
+  constexpr Real kFar = std::numeric_limits<Real>::infinity();
+  auto whole = std::make_shared<const TapePart>(whole_of(tape));
+  outside_.region = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
+  outside_.part = whole;
+  outside_.is_leaf = true;
+  // whole powers of two times the focus, so that some level of cells fits it
+  const double half = 0.5 * longest_side(focus);
+  double size = half;
+  while (size < reach && size < 1e30) size *= 2.0;
+  root_.region = cube_about<Real>(focus, size);
+  set_middle(root_.region, root_.middle);
+  root_.part = std::move(whole);
+  root_.stalled = 0;
+  root_.is_leaf = is_small(root_.region);
+  cells_ = 2;
+  bytes_ = sizeof(*this) + root_.part->code.size() * sizeof(Instruction);
+}
+
+template <class Real>
+bool Octree<Real>::reaches(Real x, Real y, Real z) const {
+  const Region<Real>& all = root_.region;
+  return x >= all.lo[0] && x <= all.hi[0] && y >= all.lo[1] && y <= all.hi[1] && z >= all.lo[2] && z <= all.hi[2];
+}
+
+template <class Real>
+typename Octree<Real>::Cell* Octree<Real>::child(Cell& parent, unsigned octant, Pruner<Real>& pruner) {
+  Cell* const known = parent.children[octant].load(std::memory_order_acquire);
+  return known != nullptr ? known : make_child(parent, octant, pruner);
+}
+
+/// Makes a child, or takes the one that another thread has made meanwhile; none where memory has ended.
+template <class Real>
+typename Octree<Real>::Cell* Octree<Real>::make_child(Cell& parent, unsigned octant, Pruner<Real>& pruner) {
+  if (bytes() > kMostBytes) return nullptr;
+  auto cell = std::make_unique<Cell>();
+  cell->region = octant_of(parent.region, parent.middle, octant);
+  set_middle(cell->region, cell->middle);
+  std::optional<TapePart> part = pruner.prune(*parent.part, cell->region);
+  const std::size_t before = parent.part->code.size();
+  const std::size_t after = part ? part->code.size() : before;
+  cell->part = part ? shared(std::move(*part)) : parent.part;
+  const bool is_detail = cell->region.hi[0] - cell->region.lo[0] < focus_size_ * Real(kDetail);
+  const bool is_stalled = is_detail && static_cast<double>(after) > kStall * static_cast<double>(before);
+  cell->stalled = is_stalled ? parent.stalled + 1 : 0;
+  cell->is_leaf = after <= kShort || cell->stalled >= kStalls || is_small(cell->region);
+  Cell* expected = nullptr;
+  if (!parent.children[octant].compare_exchange_strong(expected, cell.get(), std::memory_order_acq_rel))
+    return expected;
+  cells_.fetch_add(1, std::memory_order_relaxed);
+  bytes_.fetch_add(sizeof(Cell), std::memory_order_relaxed);
+  return cell.release();
+}
+
+/// Equal short parts are one.
+template <class Real>
+std::shared_ptr<const TapePart> Octree<Real>::shared(TapePart part) {
+  const std::size_t size = sizeof(TapePart) + part.code.size() * sizeof(Instruction);
+  part.code.shrink_to_fit();
+  if (part.code.size() > kShared) {
+    bytes_.fetch_add(size, std::memory_order_relaxed);
+    return std::make_shared<const TapePart>(std::move(part));
+  }
+  const std::size_t hash = hash_of(part);
+  const std::scoped_lock lock(parts_mutex_);
+  const auto [first, last] = parts_.equal_range(hash);
+  for (auto known = first; known != last; ++known) {
+    if (*known->second == part) return known->second;
+  }
+  bytes_.fetch_add(size, std::memory_order_relaxed);
+  return parts_.emplace(hash, std::make_shared<const TapePart>(std::move(part)))->second;
+}
+
+/// Too small to be halved?
+template <class Real>
+bool Octree<Real>::is_small(const Region<Real>& region) const {
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const Real largest = std::max(std::fabs(region.lo[axis]), std::fabs(region.hi[axis]));
+    if (!(region.hi[axis] - region.lo[axis] > largest * std::numeric_limits<Real>::epsilon() * Real(64))) return true;
+  }
+  return !(region.hi[0] - region.lo[0] > focus_size_ * Real(1e-4));
+}
+
+bool is_worth_an_octree(const Tape& tape, const Aabb& focus) {
+  if (tape.code.size() < kLong) return false;
+  Pruner<double> pruner(tape);
+  const TapePart whole = whole_of(tape);
+  // a few cells on a diagonal stand for all
+  constexpr int kProbes = 4;
+  constexpr double kSize = 1.0 / 16.0;
+  std::size_t left = 0;
+  for (int probe = 0; probe < kProbes; ++probe) {
+    const double at = (probe + 0.5) / kProbes;
+    Region<double> cell;
+    const double lo[3] = {focus.lo.x, focus.lo.y, focus.lo.z};
+    const double hi[3] = {focus.hi.x, focus.hi.y, focus.hi.z};
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      cell.lo[axis] = lo[axis] + (hi[axis] - lo[axis]) * (at - 0.5 * kSize);
+      cell.hi[axis] = lo[axis] + (hi[axis] - lo[axis]) * (at + 0.5 * kSize);
+    }
+    const std::optional<TapePart> part = pruner.prune(whole, cell);
+    left += part ? part->code.size() : tape.code.size();
+  }
+  return static_cast<double>(left) < 0.7 * kProbes * static_cast<double>(tape.code.size());
+}
+
+template class Octree<float>;
+template class Octree<double>;
+
+}  // namespace octomarch

@@ -1,0 +1,122 @@
+// Most operators are instantiated over ranges as they stand. Some say more when their monotony is used, or have operands that
+// hang together, and the lookup of images says nothing.
+#include "octomarch/program/operator_ranges.hpp"
+
+#include "octomarch/base/dual.hpp"
+#include "octomarch/ops/attribute.hpp"
+#include "octomarch/ops/csg.hpp"
+#include "octomarch/ops/domain.hpp"
+#include "octomarch/ops/expression.hpp"
+#include "octomarch/ops/flat.hpp"
+#include "octomarch/ops/polyhedra.hpp"
+#include "octomarch/ops/primitives.hpp"
+#include "octomarch/ops/texture.hpp"
+
+namespace octomarch {
+
+namespace {
+
+/// Gradient noise stays below 1.0364 (graph/expression_bounds.cpp).
+constexpr double kNoise = 1.0625;
+
+double smooth_minimum(double a, double b, double k) {
+  const double overlap = std::max(k - std::fabs(a - b), 0.0);
+  return std::min(a, b) - overlap * overlap / (4.0 * k);
+}
+
+double metaballs(double a, double b, double k) {
+  return std::min(a, b) - k * std::log1p(std::exp(-std::fabs(a - b) / k));
+}
+
+/// A blend that grows with both operands, from its value at their ends.
+template <class Real, class Blend>
+Range<Real> blended(const Range<Real>& a, const Range<Real>& b, Real k, Blend&& blend) {
+  if (a.is_whole() || b.is_whole()) return Range<Real>::whole();
+  const auto at = [&](Real x, Real y) {
+    return blend(static_cast<double>(x), static_cast<double>(y), static_cast<double>(k));
+  };
+  const double magnitude =
+      static_cast<double>(a.magnitude()) + static_cast<double>(b.magnitude()) + static_cast<double>(k);
+  return approximated<Real>(Interval(at(a.lo, b.lo), at(a.hi, b.hi)), magnitude);
+}
+
+/// A point turned about the origin by some angle, after it was pulled to within `radius` of it.
+template <class Real, class Angle>
+void turned(const Range<Real>& u, const Range<Real>& v, Real radius, Angle&& angle, Range<Real>* out) {
+  const Range<Real> reach = sqrt(square(u) + square(v));
+  if (reach.hi < radius * Real(0.999)) {  // nothing is pulled
+    const Range<Real> turn = angle(u);
+    const Range<Real> c = cos(turn);
+    const Range<Real> s = sin(turn);
+    out[0] = c * u - s * v;
+    out[1] = s * u + c * v;
+    return;
+  }
+  const Real farthest = std::min(reach.hi, radius) * Real(1.001);
+  out[0] = out[1] = {-farthest, farthest};
+}
+
+template <class Real>
+Range<Real> noise_range(const Range<Real>* in) {
+  Range<Real> sum = in[0] + in[1] + in[2];
+  return sum.is_whole() ? sum : Range<Real>(Real(-kNoise), Real(kNoise));
+}
+
+template <template <class> class Op, std::size_t kInputs, std::size_t kOutputs, class Real>
+void instantiated(const Real* constants, const Range<Real>* in, Range<Real>* out) {
+  const Op<Range<Real>> op(constants);
+  const auto call = [&] {
+    if constexpr (kInputs == 0) return op();
+    if constexpr (kInputs == 1) return op(in[0]);
+    if constexpr (kInputs == 2) return op(in[0], in[1]);
+    if constexpr (kInputs == 3) return op(in[0], in[1], in[2]);
+    if constexpr (kInputs == 4) return op(in[0], in[1], in[2], in[3]);
+  };
+  const auto result = call();
+  if constexpr (kOutputs == 1) {
+    out[0] = result;
+  } else {
+    out[0] = result.x;
+    out[1] = result.y;
+    if constexpr (kOutputs == 3) out[2] = result.z;
+  }
+}
+
+}  // namespace
+
+/// Everything is inlined: this is most of the time that cells take to be made.
+template <class Real>
+[[gnu::flatten]] void operator_ranges(Opcode opcode, const Real* p, const Range<Real>* in, Range<Real>* out) {
+  switch (opcode) {
+    case Opcode::kSmoothUnion: out[0] = blended(in[0], in[1], p[0], smooth_minimum); return;
+    case Opcode::kSmoothIntersection: out[0] = -blended(-in[0], -in[1], p[0], smooth_minimum); return;
+    case Opcode::kSmoothDifference: out[0] = -blended(-in[0], in[1], p[0], smooth_minimum); return;
+    case Opcode::kMetaballs: out[0] = blended(in[0], in[1], p[0], metaballs); return;
+    case Opcode::kElongate:
+      out[0] = {in[0].lo - std::clamp(in[0].lo, -p[0], p[0]), in[0].hi - std::clamp(in[0].hi, -p[0], p[0])};
+      return;
+    case Opcode::kTwist:
+      return turned(in[0], in[2], p[1], [&](const Range<Real>&) { return in[1] * Range<Real>(p[0]); }, out);
+    case Opcode::kBend:
+      return turned(in[0], in[1], p[1], [&](const Range<Real>& u) { return u * Range<Real>(p[0]); }, out);
+    case Opcode::kNoise: out[0] = noise_range(in); return;
+    case Opcode::kTexel: out[0] = out[1] = out[2] = Range<Real>::whole(); return;
+    default: break;
+  }
+#define OCTOMARCH_OPCODE(op, mnemonic, inputs, outputs, constants)                      \
+  case Opcode::k##op:                                                                   \
+    if constexpr (Opcode::k##op != Opcode::kNoise && Opcode::k##op != Opcode::kTexel && \
+                  Opcode::k##op != Opcode::kTwist && Opcode::k##op != Opcode::kBend) {  \
+      instantiated<ops::op, inputs, outputs>(p, in, out);                               \
+    }                                                                                   \
+    return;
+  switch (opcode) {
+#include "octomarch/program/opcodes.def"
+  }
+#undef OCTOMARCH_OPCODE
+}
+
+template void operator_ranges(Opcode, const float*, const Range<float>*, Range<float>*);
+template void operator_ranges(Opcode, const double*, const Range<double>*, Range<double>*);
+
+}  // namespace octomarch

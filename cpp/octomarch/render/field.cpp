@@ -1,0 +1,300 @@
+#include "octomarch/render/field.hpp"
+
+#include "octomarch/base/parallel.hpp"
+
+namespace octomarch {
+
+namespace {
+
+template <class Real>
+Real at(const kernels::Column<Real>& column, std::size_t i) {
+  return RayColumns<Real>::at(column, i);
+}
+
+/// How many steps a ray makes in a cell, about.
+constexpr double kStepsInCell = 3.0;
+
+}  // namespace
+
+template <class Real>
+std::unique_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach) {
+  const std::optional<Aabb>& focus = program.focus();
+  if (!march.prune || is_fixed(march.method) || program.is_solid() || !focus) return nullptr;
+  if (!is_worth_an_octree(program.distance(), *focus)) return nullptr;
+  return std::make_unique<Octree<Real>>(program.distance(), *focus,
+                                        reach + length(from - (focus->lo + focus->hi) * 0.5));
+}
+
+template <class Real>
+Field<Real>::Field(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels,
+                   std::size_t size)
+    : program_(program),
+      kernels_(kernels),
+      tape_(program.distance(), TapeUse::kMarches),
+      points_(kernels::padded_lanes(size)),
+      values_(kernels::padded_lanes(size)),
+      ends_(kernels::padded_lanes(size)),
+      cones_(kernels::padded_lanes(size / kernels::kLanes)) {
+  if (octree != nullptr) groups_.emplace(*octree);
+}
+
+template <class Real>
+void Field<Real>::Sorted::reserve(std::size_t size) {
+  if (size <= t.size()) return;
+  const std::size_t padded = kernels::padded_lanes(size + size / 2);
+  for (VectorBuffer<Real>* rows : {&points, &values, &origin, &direction}) *rows = VectorBuffer<Real>(padded);
+  for (Buffer<Real>* row : {&t_max, &epsilon, &t, &radius, &before, &stride, &boldness}) *row = Buffer<Real>(padded);
+  pause = Buffer<std::uint8_t>(padded);
+  steps = Buffer<std::int32_t>(padded);
+}
+
+template <class Real>
+template <class Function>
+void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
+                                 LoadedTape<Real>& tape, Function&& f) {
+  groups_->sort(count, 1.0, [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
+  sorted_.reserve(groups_->places());
+  groups_->for_each_place([&](std::size_t i, std::size_t place) {
+    sorted_.points.x[place] = points.x[i];
+    sorted_.points.y[place] = points.y[i];
+    sorted_.points.z[place] = points.z[i];
+  });
+  for (const CellGroup<Real>& group : groups_->groups()) {
+    if (is_set(cancelled)) return;
+    f(tape.view(*group.cell->part), group);
+  }
+}
+
+template <class Real>
+void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
+                           Real* out) {
+  if (!groups_) return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
+  Buffer<Real>& values = sorted_.values.x;
+  for_each_group(points, count, cancelled, tape_, [&](const auto& tape, const CellGroup<Real>& group) {
+    kernels_.distance(tape, tape_.memory(), sorted_.points.from(group.first), group.count, &cancelled,
+                      values.data() + group.first);
+  });
+  std::fill_n(out, count, std::numeric_limits<Real>::quiet_NaN());
+  groups_->for_each_place([&](std::size_t i, std::size_t place) { out[i] = values[place]; });
+}
+
+template <class Real>
+void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
+                           const kernels::Vectors<Real>& out) {
+  if (!gradient_) gradient_.emplace(program_.distance(), TapeUse::kGradients);
+  if (!groups_) return kernels_.gradient(gradient_->view(), gradient_->memory(), points, count, &cancelled, out);
+  for_each_group(points, count, cancelled, *gradient_, [&](const auto& tape, const CellGroup<Real>& group) {
+    VectorBuffer<Real>& values = sorted_.values;
+    kernels_.gradient(tape, gradient_->memory(), sorted_.points.from(group.first), group.count, &cancelled,
+                      {values.x.data() + group.first, values.y.data() + group.first, values.z.data() + group.first});
+  });
+  for (Real* row : {out.x, out.y, out.z}) std::fill_n(row, count, std::numeric_limits<Real>::quiet_NaN());
+  groups_->for_each_place([&](std::size_t i, std::size_t place) {
+    out.x[i] = sorted_.values.x[place];
+    out.y[i] = sorted_.values.y[place];
+    out.z[i] = sorted_.values.z[place];
+  });
+}
+
+template <class Real>
+void Field<Real>::sample_around(const kernels::Vectors<const Real>& points, std::size_t count,
+                                const kernels::StencilView<Real>& stencil, const bool& cancelled,
+                                const kernels::Vectors<Real>& out) {
+  if (!groups_) {
+    return kernels_.sample_around(tape_.view(), tape_.memory(), points, count, stencil, &cancelled, out);
+  }
+  for (Real* row : {out.x, out.y, out.z}) std::fill_n(row, count, Real(0));
+  for (std::size_t k = 0; k < stencil.count && !is_set(cancelled); ++k) {
+    const Real* const offset = stencil.offsets + 3 * k;
+    for (std::size_t i = 0; i < count; ++i) {
+      points_.x[i] = points.x[i] + stencil.step * offset[0];
+      points_.y[i] = points.y[i] + stencil.step * offset[1];
+      points_.z[i] = points.z[i] + stencil.step * offset[2];
+    }
+    distance(points_.read(), count, cancelled, values_.data());
+    for (std::size_t i = 0; i < count; ++i) {
+      out.x[i] += values_[i] * offset[0];
+      out.y[i] += values_[i] * offset[1];
+      out.z[i] += values_[i] * offset[2];
+    }
+  }
+}
+
+template <class Real>
+void Field<Real>::advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
+                                   Buffer<Real>& start, kernels::Counters& counters) {
+  const std::size_t blocks = rays.count / kernels::kLanes;
+  const kernels::ConeView<Real> all{blocks,
+                                    cones_.origin.view(),
+                                    cones_.direction.view(),
+                                    cones_.width.data(),
+                                    cones_.spread.data(),
+                                    cones_.epsilon.data(),
+                                    cones_.t_max.data(),
+                                    cones_.t.data()};
+  kernels_.fit_cones(rays, parameters, all);
+  for (std::size_t first = 0; first < blocks; first += kernels::kLanes) {
+    const std::size_t count = std::min(kernels::kLanes, blocks - first);
+    kernels::ConeView<Real> cones = all;
+    cones.count = count;
+    std::uint64_t live = ~std::uint64_t{0} >> (kernels::kLanes - count);
+    for (int step = 0; live != 0 && step < parameters.max_steps && !is_set(*parameters.cancelled); ++step) {
+      kernels_.cone_points(cones, points_.view());
+      distance(points_.read(), count, *parameters.cancelled, values_.data());
+      counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
+      counters.lane_slots += kernels::kLanes;
+      live = kernels_.step_cones(cones, parameters, values_.data(), live);
+    }
+    for (std::size_t i = 0; i < count; ++i) {
+      std::fill_n(start.data() + (first + i) * kernels::kLanes, kernels::kLanes, cones_.t[first + i]);
+    }
+  }
+}
+
+template <class Real>
+template <class Run>
+void Field<Real>::march_all(const Rays& rays, const Parameters& parameters, const State& state, Run&& run) {
+  const Region<Real>* const everywhere = nullptr;
+  if (groups_) return march_by_cells(rays, parameters, state, run);
+  run(tape_.view(), tape_.memory(), rays, parameters, everywhere, state);
+}
+
+/// Round by round: rays are sorted by the cells of their next samples, and each group marched until its rays have left the
+/// cell.
+template <class Real>
+template <class Run>
+void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, Run&& run) {
+  taken_.assign(rays.count, 0);
+  active_.clear();
+  for (std::size_t i = 0; i < rays.count; ++i) {
+    state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kEnded);
+    if (state.t[i] <= at(rays.t_max, i)) active_.push_back(static_cast<std::uint32_t>(i));
+  }
+  Sorted& s = sorted_;
+  while (!active_.empty() && !is_set(*parameters.cancelled)) {
+    groups_->sort(active_.size(), kStepsInCell, [&](std::size_t k) {  // points as kernels compute them
+      const std::size_t i = active_[k];
+      const Real t = state.t[i];
+      return std::array<Real, 3>{at(rays.ox, i) + t * at(rays.dx, i), at(rays.oy, i) + t * at(rays.dy, i),
+                                 at(rays.oz, i) + t * at(rays.dz, i)};
+    });
+    s.reserve(groups_->places());
+    std::fill_n(s.t.data(), groups_->places(), std::numeric_limits<Real>::quiet_NaN());
+    const auto column = [](const kernels::Column<Real>& values, Buffer<Real>& sorted) {
+      return kernels::Column<Real>{values.values == nullptr ? nullptr : sorted.data(), values.value};
+    };
+    const auto gather = [](const kernels::Column<Real>& values, Buffer<Real>& sorted, std::size_t i,
+                           std::size_t place) {
+      if (values.values != nullptr) sorted[place] = values.values[i];
+    };
+    groups_->for_each_place([&](std::size_t k, std::size_t place) {
+      const std::size_t i = active_[k];
+      gather(rays.ox, s.origin.x, i, place);
+      gather(rays.oy, s.origin.y, i, place);
+      gather(rays.oz, s.origin.z, i, place);
+      gather(rays.dx, s.direction.x, i, place);
+      gather(rays.dy, s.direction.y, i, place);
+      gather(rays.dz, s.direction.z, i, place);
+      gather(rays.t_max, s.t_max, i, place);
+      gather(rays.epsilon, s.epsilon, i, place);
+      s.t[place] = state.t[i];
+      s.before[place] = state.before[i];
+      s.stride[place] = state.stride[i];
+      s.boldness[place] = state.boldness[i];
+      s.steps[place] = taken_[i];
+    });
+    const Rays sorted_rays{column(rays.ox, s.origin.x),
+                           column(rays.oy, s.origin.y),
+                           column(rays.oz, s.origin.z),
+                           column(rays.dx, s.direction.x),
+                           column(rays.dy, s.direction.y),
+                           column(rays.dz, s.direction.z),
+                           {},
+                           column(rays.t_max, s.t_max),
+                           column(rays.epsilon, s.epsilon),
+                           groups_->places()};
+    for (const CellGroup<Real>& group : groups_->groups()) {
+      const std::size_t first = group.first;
+      Parameters left = parameters;
+      std::int32_t* const steps = s.steps.data() + first;
+      left.max_steps -= *std::max_element(steps, steps + group.count);
+      std::fill_n(steps, group.count, 0);
+      const State part{s.t.data() + first,
+                       s.radius.data() + first,
+                       s.before.data() + first,
+                       s.stride.data() + first,
+                       s.boldness.data() + first,
+                       s.pause.data() + first,
+                       steps};
+      run(tape_.view(*group.cell->part), tape_.memory(), sorted_rays.from(first, group.count), left,
+          &group.cell->region, part);
+    }
+    still_active_.clear();
+    groups_->for_each_place([&](std::size_t k, std::size_t place) {
+      const std::uint32_t i = active_[k];
+      state.t[i] = s.t[place];
+      state.radius[i] = s.radius[place];
+      state.before[i] = s.before[place];
+      state.stride[i] = s.stride[place];
+      state.boldness[i] = s.boldness[place];
+      state.pause[i] = s.pause[place];
+      taken_[i] += s.steps[place];
+      const auto pause = static_cast<kernels::Pause>(s.pause[place]);
+      const bool goes_on = pause == kernels::Pause::kLeft || pause == kernels::Pause::kSpent;
+      if (!goes_on) return;
+      state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kSpent);
+      if (taken_[i] < parameters.max_steps) still_active_.push_back(i);
+    });
+    active_.swap(still_active_);
+  }
+  if (state.steps != nullptr) std::copy_n(taken_.data(), rays.count, state.steps);
+}
+
+template <class Real>
+void Field<Real>::march(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
+                        RayBatch<Real>& batch, std::int32_t* steps, kernels::Counters& counters) {
+  const kernels::MarchState<Real> state = batch.state(steps);
+  std::uint8_t* const status = batch.status.data();
+  const bool is_fixed = parameters.stepping == kernels::Stepping::kFixed;
+  kernels_.begin_march(rays, parameters, is_fixed ? Real(0) : kernels::kNothingBefore<Real>, state);
+  march_all(rays, parameters, state, [&](const auto&... arguments) { kernels_.march(arguments..., counters); });
+  kernels_.conclude(rays, parameters, state, status);
+  if (!parameters.finish) return;
+  if (is_fixed) {
+    kernels_.bisect(tape_.view(), tape_.memory(), rays, parameters, state, status, counters);
+  } else {
+    follow_secants(rays, parameters, state, status, counters);
+  }
+}
+
+template <class Real>
+void Field<Real>::follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
+                                 const kernels::MarchState<Real>& state, const std::uint8_t* status,
+                                 kernels::Counters& counters) {
+  for (int round = 0; round < 2; ++round) {
+    const std::size_t hits = kernels_.secants(rays, parameters, state, status, ends_.data(), points_.view());
+    if (hits == 0) return;
+    distance(points_.read(), rays.count, *parameters.cancelled, values_.data());
+    counters.evaluations += hits;
+    counters.lane_slots += kernels::padded_lanes(rays.count);
+    kernels_.follow_secants(rays, parameters, state, status, ends_.data(), values_.data());
+  }
+}
+
+template <class Real>
+void Field<Real>::cast_shadows(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
+                               Real k, RayBatch<Real>& batch, Real* visibility, kernels::Counters& counters) {
+  const kernels::MarchState<Real> state = batch.state(nullptr);
+  kernels_.begin_march(rays, parameters, Real(1), state);
+  march_all(rays, parameters, state,
+            [&](const auto& tape, Real* memory, const Rays& r, const Parameters& p, const auto* region,
+                const State& s) { kernels_.march_shadow(tape, memory, r, p, k, region, s, counters); });
+  kernels_.visibility(rays, state, visibility);
+}
+
+template std::unique_ptr<Octree<float>> octree_for(const Program&, const March&, const Vec3&, double);
+template std::unique_ptr<Octree<double>> octree_for(const Program&, const March&, const Vec3&, double);
+template class Field<float>;
+template class Field<double>;
+
+}  // namespace octomarch

@@ -1,0 +1,97 @@
+// A program's field as the stages of a picture or a query ask for it: at many points, and along many rays. By its tape, or
+// where it is long, by an octree's parts of it. One for each worker, with the memory that it takes. Comes after loaded_tape.hpp
+// and before every stage.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "octomarch/render/cell_groups.hpp"
+#include "octomarch/render/loaded_tape.hpp"
+#include "octomarch/render/rays.hpp"
+
+namespace octomarch {
+
+/// An octree about all that is at most `reach` away from a point, where it is worth its cost; else null, as for fixed steps,
+/// which take solids without distances.
+template <class Real>
+std::unique_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach);
+
+template <class Real>
+class Field {
+ public:
+  /// `size`: points or rays at the most in one call. `octree`: of program.distance(), or null. Both must outlive this.
+  Field(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels, std::size_t size);
+
+  const Program& program() const { return program_; }
+
+  /// Distances at points; NaN at NaN points.
+  void distance(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled, Real* out);
+  /// Exact gradients at points.
+  void gradient(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
+                const kernels::Vectors<Real>& out);
+  /// Directions across the surface from the field around points; see the kernel.
+  void sample_around(const kernels::Vectors<const Real>& points, std::size_t count,
+                     const kernels::StencilView<Real>& stencil, const bool& cancelled,
+                     const kernels::Vectors<Real>& out);
+
+  /// Sets `start` of whole blocks of rays to where none of a block has met anything yet, by marching a cone about each.
+  void advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
+                        Buffer<Real>& start, kernels::Counters& counters);
+  /// Fills t and status of `batch`, and `steps` (exactly rays.count long) unless it is null.
+  void march(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
+             RayBatch<Real>& batch, std::int32_t* steps, kernels::Counters& counters);
+  /// How much of each ray's far end is seen from its origin; k as in Shading, +inf for hard shadows.
+  void cast_shadows(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters, Real k,
+                    RayBatch<Real>& batch, Real* visibility, kernels::Counters& counters);
+
+ private:
+  using Rays = kernels::RayView<Real>;
+  using Parameters = kernels::MarchParameters<Real>;
+  using State = kernels::MarchState<Real>;
+
+  /// Marches until all rays have ended, by the kernel run(tape, memory, rays, parameters, region, state).
+  template <class Run>
+  void march_all(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
+  template <class Run>
+  void march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
+  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_.points.
+  template <class Function>
+  void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
+                      LoadedTape<Real>& tape, Function&& f);
+  void follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
+                      const kernels::MarchState<Real>& state, const std::uint8_t* status, kernels::Counters& counters);
+
+  /// Cones about the blocks of a batch.
+  struct Cones {
+    explicit Cones(std::size_t size)
+        : origin(size), direction(size), width(size), spread(size), epsilon(size), t_max(size), t(size) {}
+    VectorBuffer<Real> origin, direction;
+    Buffer<Real> width, spread, epsilon, t_max, t;
+  };
+
+  /// Elements sorted by cells.
+  struct Sorted {
+    VectorBuffer<Real> points, values, origin, direction;
+    Buffer<Real> t_max, epsilon, t, radius, before, stride, boldness;
+    Buffer<std::uint8_t> pause;
+    Buffer<std::int32_t> steps;
+
+    void reserve(std::size_t size);
+  };
+
+  const Program& program_;
+  const kernels::KernelTable<Real>& kernels_;
+  LoadedTape<Real> tape_;
+  std::optional<LoadedTape<Real>> gradient_;
+  VectorBuffer<Real> points_;
+  Buffer<Real> values_, ends_;
+  Cones cones_;
+  std::optional<CellGroups<Real>> groups_;
+  Sorted sorted_;
+  std::vector<std::uint32_t> active_, still_active_;  ///< rays that go on, in this round and the next
+  std::vector<std::int32_t> taken_;                   ///< steps of each ray so far
+};
+
+}  // namespace octomarch
