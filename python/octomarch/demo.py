@@ -19,8 +19,8 @@ from octomarch.shot import Shot
 from octomarch.skies import Sky
 
 _SIZE = (960, 540)
-# Floors have no end, and plain sphere tracing needs ever more steps towards the horizon: a ray that skims a floor at
-# height h covers at most 256 h in its 256 steps. So the march ends before the steps do, and the horizon is even.
+# Floors have no end, and sphere tracing needs ever more steps towards the horizon: a ray that skims a floor at height h
+# covers at most 256 h in 256 plain steps. So the march ends before the steps do, and the horizon is even.
 _MARCH = March(max_distance=1000.0)
 
 

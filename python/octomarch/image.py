@@ -63,7 +63,7 @@ class Image:
     material_id: NDArray[np.int32]
     """Index in `Program.materials` (height, width); -1 where nothing is met."""
     steps: NDArray[np.int32]
-    """Evaluations of the field spent on each primary ray (height, width)."""
+    """Evaluations of the field spent on each primary ray (height, width); those of cones are in `stats`."""
     status: NDArray[np.uint8]
     """What became of each primary ray (height, width): see `Status`."""
     planes: tuple[PlaneName, ...]
@@ -71,7 +71,8 @@ class Image:
     size: tuple[int, int]
     """(width, height)."""
     stats: dict[str, Any]
-    """Rays, evaluations, packets, occupancy, seconds per stage."""
+    """What the picture cost: counts of rays, of evaluations by what they were for (``cone_evaluations`` among them),
+    packets, occupancy, the octree's ``cells`` and ``cell_bytes``, and seconds per stage."""
 
     def __init__(
         self,

@@ -58,17 +58,18 @@ class March:
     Parameters
     ----------
     method : {"auto", "plain", "relaxed", "enhanced", "fixed"}
-        Of ``"plain"``, sphere tracing [1]_, each step is r. The next three take longer ones, in the hope that the next
-        empty sphere touches the last, and go back where it does not, so they find the same surfaces in fewer
-        evaluations: ``"relaxed"`` steps by 1.6 r until it has to go back for the first time [2]_, ``"enhanced"`` by
-        what the slope between the last two samples lets hope [3]_, ``"auto"`` by a slope that it learns along the ray
-        [4]_. For pictures ``"auto"`` also marches a cone about each 8×8 pixels first, at whose end their rays begin
-        [5]_. Of ``"fixed"`` a step is ``max(r, step)``, or the hit epsilon where that is more. It also finds solids
-        whose field says no more than inside and outside (`octomarch.solid`), which are always marched by it, and may
-        miss what is thinner than a step.
+        Of ``"plain"``, sphere tracing [1]_, each step is r. The next two take longer ones, in the hope that the next
+        empty sphere touches the last, and go back where it does not, so they find the same surfaces: ``"relaxed"``
+        steps by 1.6 r until it has to go back for the first time [2]_, ``"enhanced"`` by what the slope between the
+        last two samples lets hope [3]_. ``"auto"`` takes the steps of ``"enhanced"``, and for pictures marches a cone
+        about each 8×8 pixels first, at whose end their rays begin [4]_. Of ``"fixed"`` a step is ``max(r, step)``, or
+        the hit epsilon where that is more. It also finds solids whose field says no more than inside and outside
+        (`octomarch.solid`), which are always marched by it, and may miss what is thinner than a step. Shadow rays
+        take plain steps where others take longer ones.
     max_steps : int, optional
-        Evaluations per ray at the most, ≥ 1; those of cones are not counted. Rays that spend them all end as `Status.STEP_LIMIT`. None: 256; with fixed
-        steps as many as may be needed from ``min_distance`` to ``max_distance``.
+        Evaluations per ray at the most, ≥ 1; those of cones are not counted. Rays that spend them all end as
+        `Status.STEP_LIMIT`. None: 256; with fixed steps as many as may be needed from ``min_distance`` to
+        ``max_distance``.
     epsilon : float, optional
         Absolute hit epsilon in scene units, ≥ 0. None: 1e-6 of the scene's size for renders, 1e-5 for queries, which
         have no pixels to go by.
@@ -84,17 +85,20 @@ class March:
     finish : {"secant"}, optional
         Refine a hit by the secant through the last two samples. One more evaluation per hit, not counted in the plane
         ``steps``, checks the result: where more than a sixteenth of the hit epsilon is left, the hit stays where it
-        was. With fixed steps, where a field need not have a slope, ten more evaluations per hit halve the last step
-        instead; the hit is the end that lies outside. None: do not refine.
+        was; else it goes on to the root of the secant through that last sample too. A ray that hits with its first
+        sample, where its cone has ended, takes two evaluations at the most. With fixed steps, where a field need not
+        have a slope, ten more evaluations per hit halve the last step instead; the hit is the end that lies outside.
+        None: do not refine.
     bias : float
         By how much each step stays short of r, ≥ 0, in scene units: for fields that say a little more than their
-        distance. Plain steps become ``max(r - bias, r / 2)``, so that rays always get on; fixed ones
-        ``max(r - bias, step)``.
+        distance. Steps become ``max(r - bias, r / 2)``, so that rays always get on, and are never longer than that,
+        whatever the method; fixed ones become ``max(r - bias, step)``.
     step : float, optional
         Least length of fixed steps, > 0, in scene units. None: 1e-3 of the scene's size.
     prune : bool
-        Run long programs in parts: space is divided into cells, in each of which only what has a say there of the
-        program is run [6]_. Results are the same, to the bit. Fixed steps never do so.
+        Run long programs in parts where that promises to help: space is divided into cells, in each of which only what
+        has a say there of the program is run [5]_. Results are the same, to the bit. Fixed steps never do so. Cells
+        are made anew for each picture or query of many rays, which in small pictures may cost more than it saves.
 
     Raises
     ------
@@ -111,9 +115,8 @@ class March:
     .. [1] J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996. doi:10.1007/s003710050084
     .. [2] B. Keinert et al., "Enhanced sphere tracing", Smart Tools and Apps for Graphics, 2014.
     .. [3] C. Bálint, G. Valasek, "Accelerating sphere tracing", Eurographics 2018, short papers.
-    .. [4] R. Bán, G. Valasek, "Automatic step size relaxation in sphere tracing", Eurographics 2023, short papers.
-    .. [5] Fulcrum, "8k intro rendering by cone marching", 2012.
-    .. [6] W. Barbier et al., "Lipschitz pruning: hierarchical simplification of primitive-based SDFs", Computer
+    .. [4] Fulcrum, "8k intro rendering by cone marching", 2012.
+    .. [5] W. Barbier et al., "Lipschitz pruning: hierarchical simplification of primitive-based SDFs", Computer
        Graphics Forum 44(2), 2025.
 
     Examples

@@ -116,7 +116,7 @@ def raycast(
     t_max: float = math.inf,
     dtype: Precision = "float64",
 ) -> Hits:
-    """Find the first surface along each ray by plain sphere tracing; see `octomarch.Shape.raycast`.
+    """Find the first surface along each ray, by the steps that the march says; see `octomarch.Shape.raycast`.
 
     Parameters
     ----------
@@ -174,6 +174,8 @@ def render(
     crop: Sequence[int] | None = None,
 ) -> Image:
     """Render a picture, pixel after pixel; see `octomarch.render`.
+
+    No cones are marched: rays begin at ``min_distance``, so with the method ``"auto"`` the plane ``steps`` differs.
 
     Parameters
     ----------

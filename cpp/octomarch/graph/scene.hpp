@@ -91,7 +91,8 @@ enum class Method : std::uint8_t { kAuto, kPlain, kRelaxed, kEnhanced, kFixed };
 constexpr bool is_fixed(Method method) { return method == Method::kFixed; }
 
 /// How rays are marched; r is the field over its Lipschitz bound. Plain: a ray has hit where r ≤ eps(t), else it goes on
-/// by r, or with a bias by max(r − bias, r/2). Fixed: it has hit where r ≤ 0, else it goes on by
+/// by r, or with a bias by max(r − bias, r/2). Relaxed, enhanced, auto: without a bias farther than r, and back where that
+/// was too much; auto: camera rays begin where cones end. Fixed: a ray has hit where r ≤ 0, else it goes on by
 /// max(r − bias, step, eps(t)). `hit epsilon` at parameter t of a ray with origin o, the same for every marcher:
 ///   eps(t) = max(epsilon, 16u·max(|o|∞, t), pixel_tolerance·pixel_radius(t)),
 /// u = 2⁻²⁴ in float, 2⁻⁵³ in double: at least four units in the last place of |p|∞ and of t, since |p|∞ ≤ |o|∞ + t.
@@ -106,8 +107,8 @@ struct March {
   double min_distance = 0.0;     ///< where t begins, ≥ 0
   double bias = 0.0;             ///< by how much a step stays short of the field, ≥ 0
   double step = 1e-3;            ///< least step, > 0; fixed only
-  /// Refine hits. Plain: by the secant through the last two samples, unless it leaves eps/16. Fixed: by ten halvings of
-  /// the last step.
+  /// Refine hits: by the secant through the last two samples, unless it leaves eps/16, and a second one through its end.
+  /// Fixed: by ten halvings of the last step.
   bool finish = true;
   bool prune = true;  ///< run long programs in parts, cell by cell: to the same results
 

@@ -14,9 +14,10 @@ inline constexpr std::size_t kBlockEdge = 8;                    ///< pixels, of 
 inline constexpr std::size_t kAlignment = 64;                   ///< bytes: one AVX-512 batch, one cache line
 
 /// Rows of kLanes that a march needs beside its two register files: five busy and five quiet ones for each of two blocks,
-/// and two more where steps are relaxed. All lie in one piece, the busy rows of both blocks and the files first: rows a multiple of 4 KiB apart make loads wait
-/// for stores that have nothing to do with them, and while a small program's busy rows fit into 4 KiB there are none. With
-/// files and state wherever the heap and the stack had them, equal runs differed by 20 % from process to process.
+/// and two more where steps are relaxed. All lie in one piece, the busy rows of both blocks and the files first: rows a
+/// multiple of 4 KiB apart make loads wait for stores that have nothing to do with them, and while a small program's busy
+/// rows fit into 4 KiB there are none. With files and state wherever the heap and the stack had them, equal runs differed
+/// by 20 % from process to process.
 inline constexpr std::size_t kBusyRows = 5;
 inline constexpr std::size_t kQuietRows = 5;
 inline constexpr std::size_t kRelaxationRows = 2;

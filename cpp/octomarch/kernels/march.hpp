@@ -1,10 +1,10 @@
 // Marching in blocks: 8 packets of 8 rays stepped together by the tape interpreter, a packet's slot refilled with the next
-// packet of the stream as soon as all its rays have ended. steps.hpp says how long a step is: sphere tracing by default,
-// J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996.
+// packet of the stream as soon as all its rays have ended. steps.hpp says how long a step is, finish.hpp how rays begin and
+// what became of them. J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996.
 //
 // A step leaves a ray that has ended as it is: at a hit t stays and hits again, past t_max it stays there, a NaN stays
 // NaN. So no mask is kept with the state; which rays live is read off each step as one 64-bit word, and what became of
-// a ray is read off t when its packet retires.
+// a ray is read off t when all have ended.
 //
 // Two blocks take turns. Whether packets of one have ended is looked at only after the other's step has been issued:
 // the mispredicted branch of a retirement then finds the processor busy instead of drained.

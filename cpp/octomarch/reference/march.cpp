@@ -1,6 +1,6 @@
-// J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996, with a tolerance that grows with the ray and a secant step
-// at the end; the same with relaxed steps, after Keinert et al. 2014, Bálint and Valasek 2018, Bán and Valasek 2023; and fixed
-// steps with bisection at the end. See march.hpp.
+// J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996, with a tolerance that grows with the ray and two secants at
+// the end; the same with longer steps, after Keinert et al. 2014, and Bálint and Valasek 2018; and fixed steps with bisection
+// at the end. See march.hpp.
 #include "octomarch/reference/march.hpp"
 
 #include <algorithm>

@@ -81,7 +81,7 @@ void store(Real* plane, std::size_t pixel, Real x, Real y, Real z) {
 
 }  // namespace
 
-/// Large tiles keep blocks full for longer; long programs get small ones, so that a cancelled render ends soon.
+/// Large tiles keep blocks full for longer.
 TileGrid::TileGrid(const Picture& picture)
     : crop(picture.crop),
       width(picture.width),
