@@ -265,6 +265,9 @@ struct KernelTable {
   /// nothing.
   void (*sample_around)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
                         const StencilView<Real>&, const bool* cancelled, const Vectors<Real>& out);
+  /// Fills position, direction and epsilon of surface points: point i is that of ray indices[i] at t[indices[i]].
+  void (*surface_points)(const RayView<Real>&, Real epsilon_slope, const Real* t, const std::uint32_t* indices,
+                         const SurfaceView<Real>&);
   /// Gradients in surface.normal become unit normals, −direction where there is none.
   void (*normalize)(const SurfaceView<Real>&);
   /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, where a ray grazes an edge

@@ -140,6 +140,40 @@ void store3(const ops::Triple<Lanes<Real>>& v, const Vectors<Real>& rows, std::s
   v.z.store(rows.z + i);
 }
 
+/// Elements of an array by their indices. Those of neighbours, as most are, are loaded at once.
+template <class Real>
+Lanes<Real> gathered(const Column<Real>& column, const std::uint32_t* indices, bool are_neighbours) {
+  if (column.values == nullptr) return column.value;
+  if (are_neighbours) return Lanes<Real>::load_unaligned(column.values + indices[0]);
+  alignas(kAlignment) Real lanes[kWidth<Real>];
+  for (std::size_t lane = 0; lane < kWidth<Real>; ++lane) lanes[lane] = column.values[indices[lane]];
+  return Lanes<Real>::load(lanes);
+}
+
+template <class Real>
+void surface_points(const RayView<Real>& rays, Real epsilon_slope, const Real* t, const std::uint32_t* indices,
+                    const SurfaceView<Real>& surface) {
+  using T = Lanes<Real>;
+  std::uint32_t padded[kWidth<Real>];
+  for (std::size_t i = 0; i < surface.count; i += kWidth<Real>) {
+    const std::uint32_t* own = indices + i;
+    if (surface.count - i < kWidth<Real>) {  // the last one fills the batch
+      for (std::size_t lane = 0; lane < kWidth<Real>; ++lane) {
+        padded[lane] = indices[i + lane < surface.count ? i + lane : surface.count - 1];
+      }
+      own = padded;
+    }
+    // indices ascend
+    const bool are_neighbours = own[kWidth<Real> - 1] - own[0] == kWidth<Real> - 1;
+    const auto of = [&](const Column<Real>& column) { return gathered(column, own, are_neighbours); };
+    const T at_t = of({t, 0});
+    const ops::Triple<T> d{of(rays.dx), of(rays.dy), of(rays.dz)};
+    store3(d, surface.direction, i);
+    store3<Real>({of(rays.ox) + at_t * d.x, of(rays.oy) + at_t * d.y, of(rays.oz) + at_t * d.z}, surface.position, i);
+    max(of(rays.epsilon), T(epsilon_slope) * at_t).store(surface.epsilon + i);
+  }
+}
+
 template <class Real>
 void normalize(const SurfaceView<Real>& surface) {
   const std::size_t end = batches<Real>(surface.count) * kWidth<Real>;

@@ -29,6 +29,7 @@ constexpr KernelTable<Real> make_table() {
       .expressions = &expressions<Real>,
       .gradient = &gradient<Real>,
       .sample_around = &sample_around<Real>,
+      .surface_points = &surface_points<Real>,
       .normalize = &normalize<Real>,
       .face_rays = &face_rays<Real>,
       .points_above = &points_above<Real>,

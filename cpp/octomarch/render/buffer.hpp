@@ -60,6 +60,7 @@ class IndexList {
   void clear() { count_ = 0; }
   void push(std::size_t index) { indices_[count_++] = static_cast<std::uint32_t>(index); }
   std::size_t operator[](std::size_t i) const { return indices_[i]; }
+  const std::uint32_t* data() const { return indices_.data(); }
   std::size_t size() const { return count_; }
   bool empty() const { return count_ == 0; }
 

@@ -53,19 +53,11 @@ void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Rea
   for (std::size_t i = 0; i < count; ++i) {
     const auto status = static_cast<Status>(batch.status[i]);
     if (status != Status::kHit && status != Status::kStepLimit) continue;
-    const std::size_t k = ray_.size();
+    status_[ray_.size()] = batch.status[i];
     ray_.push(i);
-    status_[k] = batch.status[i];
     has_candidates_ |= status == Status::kStepLimit;
-    const Real t = batch.t[i];
-    direction.x[k] = RayColumns<Real>::at(rays.dx, i);
-    direction.y[k] = RayColumns<Real>::at(rays.dy, i);
-    direction.z[k] = RayColumns<Real>::at(rays.dz, i);
-    position.x[k] = RayColumns<Real>::at(rays.ox, i) + t * direction.x[k];
-    position.y[k] = RayColumns<Real>::at(rays.oy, i) + t * direction.y[k];
-    position.z[k] = RayColumns<Real>::at(rays.oz, i) + t * direction.z[k];
-    epsilon[k] = std::max(RayColumns<Real>::at(rays.epsilon, i), rays.epsilon_slope * t);
   }
+  kernels_.surface_points(rays.view({}, {}, count), rays.epsilon_slope, batch.t.data(), ray_.data(), view());
 }
 
 template <class Real>
