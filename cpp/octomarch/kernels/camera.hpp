@@ -17,8 +17,10 @@ struct BlockPixels {
     constexpr std::size_t kPacketsAcross = kBlockEdge / kPacketWidth;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
       const std::size_t packet = lane / kPacketLanes;
-      column[lane] = static_cast<Real>(packet % kPacketsAcross * kPacketWidth + lane % kPacketWidth);
-      row[lane] = static_cast<Real>(packet / kPacketsAcross * kPacketHeight + lane / kPacketWidth % kPacketHeight);
+      const std::size_t across = packet % kPacketsAcross * kPacketWidth + lane % kPacketWidth;
+      const std::size_t down = packet / kPacketsAcross * kPacketHeight + lane / kPacketWidth % kPacketHeight;
+      column[lane] = static_cast<Real>(across);
+      row[lane] = static_cast<Real>(down);
     }
   }
 };
@@ -30,8 +32,10 @@ void camera_rays(const CameraView<Real>& camera, const TileView& tile, const Vec
   const T none = std::numeric_limits<Real>::quiet_NaN();
   std::size_t first = 0;
   for (std::size_t block = 0; block < std::size_t{tile.blocks_across} * tile.blocks_down; ++block, first += kLanes) {
-    const T x = static_cast<Real>(tile.x + block % tile.blocks_across * kBlockEdge);
-    const T y = static_cast<Real>(tile.y + block / tile.blocks_across * kBlockEdge);
+    const std::size_t left = tile.x + block % tile.blocks_across * kBlockEdge;
+    const std::size_t top = tile.y + block / tile.blocks_across * kBlockEdge;
+    const T x = static_cast<Real>(left);
+    const T y = static_cast<Real>(top);
     for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
       const T column = x + T::load(kPixels.column + lane);
       const T row = y + T::load(kPixels.row + lane);

@@ -38,7 +38,7 @@ inline std::uint64_t bytes_equal(const std::uint8_t* bytes, std::uint8_t value) 
   constexpr std::uint64_t kLow = 0x7F7F7F7F7F7F7F7FULL;
   std::uint64_t bits = 0;
   for (std::size_t packet = 0; packet < kPackets; ++packet) {
-    std::uint64_t word;
+    std::uint64_t word = 0;
     __builtin_memcpy(&word, bytes + packet * kPacketLanes, sizeof(word));
     word ^= value * 0x0101010101010101ULL;
     const std::uint64_t zero = ~(((word & kLow) + kLow) | word | kLow);

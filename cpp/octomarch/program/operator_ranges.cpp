@@ -62,8 +62,9 @@ Range<Real> noise_range(const Range<Real>* in) {
   return sum.is_whole() ? sum : Range<Real>(Real(-kNoise), Real(kNoise));
 }
 
+/// The operator itself, over ranges. Everything is inlined: this is most of the time that cells take to be made.
 template <template <class> class Op, std::size_t kInputs, std::size_t kOutputs, class Real>
-void instantiated(const Real* constants, const Range<Real>* in, Range<Real>* out) {
+[[gnu::flatten]] void instantiated(const Real* constants, const Range<Real>* in, Range<Real>* out) {
   const Op<Range<Real>> op(constants);
   const auto call = [&] {
     if constexpr (kInputs == 0) return op();
@@ -82,38 +83,61 @@ void instantiated(const Real* constants, const Range<Real>* in, Range<Real>* out
   }
 }
 
+/// Operators of which more can be said than their text says over ranges, or nothing at all.
+template <Opcode kOp>
+constexpr bool kIsSpecial =
+    kOp == Opcode::kSmoothUnion || kOp == Opcode::kSmoothIntersection || kOp == Opcode::kSmoothDifference ||
+    kOp == Opcode::kMetaballs || kOp == Opcode::kElongate || kOp == Opcode::kTwist || kOp == Opcode::kBend ||
+    kOp == Opcode::kNoise || kOp == Opcode::kTexel;
+
+template <Opcode kOp, class Real>
+void special(const Real* p, const Range<Real>* in, Range<Real>* out) {
+  if constexpr (kOp == Opcode::kSmoothUnion) {
+    out[0] = blended(in[0], in[1], p[0], smooth_minimum);
+  } else if constexpr (kOp == Opcode::kSmoothIntersection) {
+    out[0] = -blended(-in[0], -in[1], p[0], smooth_minimum);
+  } else if constexpr (kOp == Opcode::kSmoothDifference) {
+    out[0] = -blended(-in[0], in[1], p[0], smooth_minimum);
+  } else if constexpr (kOp == Opcode::kMetaballs) {
+    out[0] = blended(in[0], in[1], p[0], metaballs);
+  } else if constexpr (kOp == Opcode::kElongate) {
+    out[0] = {in[0].lo - std::clamp(in[0].lo, -p[0], p[0]), in[0].hi - std::clamp(in[0].hi, -p[0], p[0])};
+  } else if constexpr (kOp == Opcode::kTwist) {
+    turned(in[0], in[2], p[1], [&](const Range<Real>&) { return in[1] * Range<Real>(p[0]); }, out);
+  } else if constexpr (kOp == Opcode::kBend) {
+    turned(in[0], in[1], p[1], [&](const Range<Real>& u) { return u * Range<Real>(p[0]); }, out);
+  } else if constexpr (kOp == Opcode::kNoise) {
+    out[0] = noise_range(in);
+  } else {
+    out[0] = out[1] = out[2] = Range<Real>::whole();
+  }
+}
+
+template <class Real>
+using RangeFunction = void (*)(const Real* constants, const Range<Real>* in, Range<Real>* out);
+
+template <Opcode kOp, template <class> class Op, std::size_t kInputs, std::size_t kOutputs, class Real>
+constexpr RangeFunction<Real> range_function() {
+  if constexpr (kIsSpecial<kOp>) {
+    return &special<kOp, Real>;
+  } else {
+    return &instantiated<Op, kInputs, kOutputs, Real>;
+  }
+}
+
+template <class Real>
+constexpr RangeFunction<Real> kRangeFunctions[] = {
+#define OCTOMARCH_OPCODE(op, mnemonic, inputs, outputs, constants) \
+  range_function<Opcode::k##op, ops::op, inputs, outputs, Real>(),
+#include "octomarch/program/opcodes.def"
+#undef OCTOMARCH_OPCODE
+};
+
 }  // namespace
 
-/// Everything is inlined: this is most of the time that cells take to be made.
 template <class Real>
-[[gnu::flatten]] void operator_ranges(Opcode opcode, const Real* p, const Range<Real>* in, Range<Real>* out) {
-  switch (opcode) {
-    case Opcode::kSmoothUnion: out[0] = blended(in[0], in[1], p[0], smooth_minimum); return;
-    case Opcode::kSmoothIntersection: out[0] = -blended(-in[0], -in[1], p[0], smooth_minimum); return;
-    case Opcode::kSmoothDifference: out[0] = -blended(-in[0], in[1], p[0], smooth_minimum); return;
-    case Opcode::kMetaballs: out[0] = blended(in[0], in[1], p[0], metaballs); return;
-    case Opcode::kElongate:
-      out[0] = {in[0].lo - std::clamp(in[0].lo, -p[0], p[0]), in[0].hi - std::clamp(in[0].hi, -p[0], p[0])};
-      return;
-    case Opcode::kTwist:
-      return turned(in[0], in[2], p[1], [&](const Range<Real>&) { return in[1] * Range<Real>(p[0]); }, out);
-    case Opcode::kBend:
-      return turned(in[0], in[1], p[1], [&](const Range<Real>& u) { return u * Range<Real>(p[0]); }, out);
-    case Opcode::kNoise: out[0] = noise_range(in); return;
-    case Opcode::kTexel: out[0] = out[1] = out[2] = Range<Real>::whole(); return;
-    default: break;
-  }
-#define OCTOMARCH_OPCODE(op, mnemonic, inputs, outputs, constants)                      \
-  case Opcode::k##op:                                                                   \
-    if constexpr (Opcode::k##op != Opcode::kNoise && Opcode::k##op != Opcode::kTexel && \
-                  Opcode::k##op != Opcode::kTwist && Opcode::k##op != Opcode::kBend) {  \
-      instantiated<ops::op, inputs, outputs>(p, in, out);                               \
-    }                                                                                   \
-    return;
-  switch (opcode) {
-#include "octomarch/program/opcodes.def"
-  }
-#undef OCTOMARCH_OPCODE
+void operator_ranges(Opcode op, const Real* constants, const Range<Real>* in, Range<Real>* out) {
+  kRangeFunctions<Real>[static_cast<std::size_t>(op)](constants, in, out);
 }
 
 template void operator_ranges(Opcode, const float*, const Range<float>*, Range<float>*);

@@ -69,8 +69,8 @@ class CellGroups {
   static constexpr double kInstructionCost = 7.0;
   static constexpr double kBatchCost = 1.5;
   static constexpr double kLanesOfBatch = 16.0;
-  static constexpr double kPruningCost = 30.0;  ///< of an instruction, when a child is made
-  static constexpr double kLongest = 1000.0;    ///< a longer program is never run for the sake of few elements
+  static constexpr double kPruningCost = 50.0;  ///< of an instruction, when a child is made
+  static constexpr double kLongest = 4096.0;    ///< a longer program is never run for the sake of few elements
   /// What is expected of a child's program, beside its parent's.
   static constexpr double kChildLength = 0.4;
 

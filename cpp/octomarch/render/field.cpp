@@ -172,51 +172,11 @@ void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters,
   }
   Sorted& s = sorted_;
   while (!active_.empty() && !is_set(*parameters.cancelled)) {
-    groups_->sort(active_.size(), kStepsInCell, [&](std::size_t k) {  // points as kernels compute them
-      const std::size_t i = active_[k];
-      const Real t = state.t[i];
-      return std::array<Real, 3>{at(rays.ox, i) + t * at(rays.dx, i), at(rays.oy, i) + t * at(rays.dy, i),
-                                 at(rays.oz, i) + t * at(rays.dz, i)};
-    });
-    s.reserve(groups_->places());
-    std::fill_n(s.t.data(), groups_->places(), std::numeric_limits<Real>::quiet_NaN());
-    const auto column = [](const kernels::Column<Real>& values, Buffer<Real>& sorted) {
-      return kernels::Column<Real>{values.values == nullptr ? nullptr : sorted.data(), values.value};
-    };
-    const auto gather = [](const kernels::Column<Real>& values, Buffer<Real>& sorted, std::size_t i,
-                           std::size_t place) {
-      if (values.values != nullptr) sorted[place] = values.values[i];
-    };
-    groups_->for_each_place([&](std::size_t k, std::size_t place) {
-      const std::size_t i = active_[k];
-      gather(rays.ox, s.origin.x, i, place);
-      gather(rays.oy, s.origin.y, i, place);
-      gather(rays.oz, s.origin.z, i, place);
-      gather(rays.dx, s.direction.x, i, place);
-      gather(rays.dy, s.direction.y, i, place);
-      gather(rays.dz, s.direction.z, i, place);
-      gather(rays.t_max, s.t_max, i, place);
-      gather(rays.epsilon, s.epsilon, i, place);
-      s.t[place] = state.t[i];
-      s.before[place] = state.before[i];
-      s.stride[place] = state.stride[i];
-      s.boldness[place] = state.boldness[i];
-      s.steps[place] = taken_[i];
-    });
-    const Rays sorted_rays{column(rays.ox, s.origin.x),
-                           column(rays.oy, s.origin.y),
-                           column(rays.oz, s.origin.z),
-                           column(rays.dx, s.direction.x),
-                           column(rays.dy, s.direction.y),
-                           column(rays.dz, s.direction.z),
-                           {},
-                           column(rays.t_max, s.t_max),
-                           column(rays.epsilon, s.epsilon),
-                           groups_->places()};
+    const Rays sorted_rays = sort_rays(rays, state);
     for (const CellGroup<Real>& group : groups_->groups()) {
       const std::size_t first = group.first;
-      Parameters left = parameters;
       std::int32_t* const steps = s.steps.data() + first;
+      Parameters left = parameters;
       left.max_steps -= *std::max_element(steps, steps + group.count);
       std::fill_n(steps, group.count, 0);
       const State part{s.t.data() + first,
@@ -229,25 +189,69 @@ void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters,
       run(tape_.view(*group.cell->part), tape_.memory(), sorted_rays.from(first, group.count), left,
           &group.cell->region, part);
     }
-    still_active_.clear();
-    groups_->for_each_place([&](std::size_t k, std::size_t place) {
-      const std::uint32_t i = active_[k];
-      state.t[i] = s.t[place];
-      state.radius[i] = s.radius[place];
-      state.before[i] = s.before[place];
-      state.stride[i] = s.stride[place];
-      state.boldness[i] = s.boldness[place];
-      state.pause[i] = s.pause[place];
-      taken_[i] += s.steps[place];
-      const auto pause = static_cast<kernels::Pause>(s.pause[place]);
-      const bool goes_on = pause == kernels::Pause::kLeft || pause == kernels::Pause::kSpent;
-      if (!goes_on) return;
-      state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kSpent);
-      if (taken_[i] < parameters.max_steps) still_active_.push_back(i);
-    });
-    active_.swap(still_active_);
+    take_back(parameters.max_steps, state);
   }
   if (state.steps != nullptr) std::copy_n(taken_.data(), rays.count, state.steps);
+}
+
+/// Copies the active rays into the order of their groups.
+template <class Real>
+kernels::RayView<Real> Field<Real>::sort_rays(const Rays& rays, const State& state) {
+  groups_->sort(active_.size(), kStepsInCell, [&](std::size_t k) {  // points as kernels compute them
+    const std::size_t i = active_[k];
+    const Real t = state.t[i];
+    return std::array<Real, 3>{at(rays.ox, i) + t * at(rays.dx, i), at(rays.oy, i) + t * at(rays.dy, i),
+                               at(rays.oz, i) + t * at(rays.dz, i)};
+  });
+  Sorted& s = sorted_;
+  s.reserve(groups_->places());
+  const auto column = [this](const kernels::Column<Real>& values, Buffer<Real>& sorted) {
+    if (values.values == nullptr) return values;
+    groups_->for_each_place([&](std::size_t k, std::size_t place) { sorted[place] = values.values[active_[k]]; });
+    return kernels::Column<Real>{sorted.data(), 0};
+  };
+  const Rays sorted_rays{column(rays.ox, s.origin.x),
+                         column(rays.oy, s.origin.y),
+                         column(rays.oz, s.origin.z),
+                         column(rays.dx, s.direction.x),
+                         column(rays.dy, s.direction.y),
+                         column(rays.dz, s.direction.z),
+                         {},
+                         column(rays.t_max, s.t_max),
+                         column(rays.epsilon, s.epsilon),
+                         groups_->places()};
+  // what lies between groups never lives
+  std::fill_n(s.t.data(), groups_->places(), std::numeric_limits<Real>::quiet_NaN());
+  groups_->for_each_place([&](std::size_t k, std::size_t place) {
+    const std::size_t i = active_[k];
+    s.t[place] = state.t[i];
+    s.before[place] = state.before[i];
+    s.stride[place] = state.stride[i];
+    s.boldness[place] = state.boldness[i];
+    s.steps[place] = taken_[i];
+  });
+  return sorted_rays;
+}
+
+/// Copies the active rays back; those that have not ended, and have steps left, stay active.
+template <class Real>
+void Field<Real>::take_back(int max_steps, const State& state) {
+  const Sorted& s = sorted_;
+  still_active_.clear();
+  groups_->for_each_place([&](std::size_t k, std::size_t place) {
+    const std::uint32_t i = active_[k];
+    state.t[i] = s.t[place];
+    state.radius[i] = s.radius[place];
+    state.before[i] = s.before[place];
+    state.stride[i] = s.stride[place];
+    state.boldness[i] = s.boldness[place];
+    state.pause[i] = s.pause[place];
+    taken_[i] += s.steps[place];
+    if (static_cast<kernels::Pause>(s.pause[place]) == kernels::Pause::kEnded) return;
+    state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kSpent);
+    if (taken_[i] < max_steps) still_active_.push_back(i);
+  });
+  active_.swap(still_active_);
 }
 
 template <class Real>

@@ -56,6 +56,8 @@ class Field {
   void march_all(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
   template <class Run>
   void march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
+  Rays sort_rays(const Rays& rays, const State& state);
+  void take_back(int max_steps, const State& state);
   /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_.points.
   template <class Function>
   void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
