@@ -82,9 +82,13 @@ void conclude(const RayView<Real>& rays, const MarchParameters<Real>& parameters
       const std::size_t i = first + lane;
       const Mask<Real> is_spent = Mask<Real>::from_bits(bits >> lane);
       T t = T::load(state.t + i);
-      if (is_relaxed(parameters.stepping)) {  // the next sample is no farther than the last empty sphere reaches
+      if (is_relaxed(parameters.stepping)) {
+        // No farther than the last empty sphere reaches, which a sphere in the solid can touch too. The secant finds its way
+        // back by itself.
         const T beyond = max(T::load(state.stride + i) - T::load(state.before + i), T(Real(0)));
-        t = select(is_spent, t - beyond, t);
+        const Real surface = parameters.finish ? -std::numeric_limits<Real>::infinity() : Real(0);
+        const Mask<Real> is_past = T::load(state.radius + i) < T(surface);
+        t = select(is_spent | is_past, t - beyond, t);
       }
       const T t_max = at(rays.t_max, i);
       const Mask<Real> within = t <= t_max;  // what ended otherwise is beyond t_max, or NaN

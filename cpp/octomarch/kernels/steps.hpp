@@ -125,7 +125,8 @@ struct LongSteps {
     const T before = T::load(state.carried + lane);
     const T stride = T::load(state.stride + lane);
     const Mask<Real> within = t <= t_max;
-    const Mask<Real> back = within & (stride > before + abs(r));
+    // beyond the empty sphere the field may be no number either
+    const Mask<Real> back = within & (stride > before) & !(stride <= before + abs(r));
     // not "has not arrived", see straight_step
     const Mask<Real> forth = within & !back & !(r <= epsilon);
     T beyond;
@@ -139,9 +140,10 @@ struct LongSteps {
     }
     // what lies between the last empty sphere and t_max is not passed unseen; a NaN passes a maximum's second operand
     const T length = max(min(r + beyond, t_max - t), r);
+    const T next = min(t + length, max(t_max, t + r));  // the sum may be rounded to what is past t_max
     select(forth, r, before).store(state.carried + lane);
     select(forth, length, select(back, before, stride)).store(state.stride + lane);
-    return {back | forth, t + select(forth, length, select(back, before - stride, T(Real(0))))};
+    return {back | forth, select(forth, next, select(back, t + (before - stride), t))};
   }
 };
 

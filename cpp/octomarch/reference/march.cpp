@@ -176,25 +176,27 @@ template <class T>
 Arrival<T> march_relaxed(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
   Boldness<T> boldness{limits.method};
   RaySample<T> stood{limits.t_min, T(0)};  // the last that was kept
+  T stride = T(0);
   T t = limits.t_min;
   for (int steps = 1; steps <= limits.max_steps; ++steps) {
     const T radius = radius_at(field, ray, limits, t);
-    if (std::isnan(radius)) return {Status::kInvalid, kNowhere<T>, steps};
-    const T stride = t - stood.t;
-    if (steps > 1 && stride > stood.radius + std::abs(radius)) {
+    if (stride > stood.radius && !(stride <= stood.radius + std::abs(radius))) {
       boldness.has_failed = true;
-      t = stood.t + stood.radius;
+      stride = stood.radius;
+      t = stood.t + stride;
       continue;
     }
+    if (std::isnan(radius)) return {Status::kInvalid, kNowhere<T>, steps};
     if (limits.arrived(ray, t, radius)) {
       if (steps == 1) return {Status::kInside, t, steps};
-      if (!limits.finish) return {Status::kHit, t, steps};
+      if (!limits.finish) return {Status::kHit, radius < T(0) ? std::min(t, stood.t + stood.radius) : t, steps};
       return {Status::kHit, by_secant(field, ray, limits, stood.radius, {t, radius}, stride), steps};
     }
     const bool is_first = steps == 1 && limits.method != Method::kRelaxed;
     const T beyond = is_first ? T(0) : boldness.beyond(radius, stood, stride);
     stood = {t, radius};
-    t += std::max(radius, std::min(radius + beyond, limits.t_max - t));
+    stride = std::max(radius, std::min(radius + beyond, limits.t_max - t));
+    t = std::min(t + stride, std::max(limits.t_max, t + radius));
     if (t > limits.t_max) return {Status::kMiss, kNowhere<T>, steps};
   }
   return {Status::kStepLimit, std::min(t, stood.t + stood.radius), limits.max_steps};
