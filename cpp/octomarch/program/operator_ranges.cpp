@@ -40,12 +40,17 @@ Range<Real> blended(const Range<Real>& a, const Range<Real>& b, Real k, Blend&& 
   return approximated<Real>(Interval(at(a.lo, b.lo), at(a.hi, b.hi)), magnitude);
 }
 
-/// A point turned about the origin by some angle, after it was pulled to within `radius` of it.
+/// A point turned about the origin by some angle, after it was pulled to within `radius` of it: by angle(u) where it is not
+/// pulled.
 template <class Real, class Angle>
 void turned(const Range<Real>& u, const Range<Real>& v, Real radius, Angle&& angle, Range<Real>* out) {
   const Range<Real> reach = sqrt(square(u) + square(v));
+  const Range<Real> turn = angle(u);
+  if (!reach.is_finite() || !turn.is_finite()) {
+    out[0] = out[1] = Range<Real>::whole();
+    return;
+  }
   if (reach.hi < radius * Real(0.999)) {  // nothing is pulled
-    const Range<Real> turn = angle(u);
     const Range<Real> c = cos(turn);
     const Range<Real> s = sin(turn);
     out[0] = c * u - s * v;
@@ -58,8 +63,8 @@ void turned(const Range<Real>& u, const Range<Real>& v, Real radius, Angle&& ang
 
 template <class Real>
 Range<Real> noise_range(const Range<Real>* in) {
-  Range<Real> sum = in[0] + in[1] + in[2];
-  return sum.is_whole() ? sum : Range<Real>(Real(-kNoise), Real(kNoise));
+  const bool is_finite = in[0].is_finite() && in[1].is_finite() && in[2].is_finite();
+  return is_finite ? Range<Real>(Real(-kNoise), Real(kNoise)) : Range<Real>::whole();
 }
 
 /// The operator itself, over ranges. Everything is inlined: this is most of the time that cells take to be made.

@@ -12,16 +12,16 @@ namespace {
 /// The instruction that keeps the first of two operands, when it is known which it takes: by ranges of what it compares.
 enum class Taken : std::uint8_t { kUnknown, kFirst, kSecond };
 
+/// Of equal operands a gradient is the one's that has a slope, so ties are left open.
 template <class Real>
 Taken smaller(const Range<Real>& a, const Range<Real>& b) {
   if (a.hi < b.lo) return Taken::kFirst;
-  return b.hi <= a.lo ? Taken::kSecond : Taken::kUnknown;
+  return b.hi < a.lo ? Taken::kSecond : Taken::kUnknown;
 }
 
 template <class Real>
 Taken larger(const Range<Real>& a, const Range<Real>& b) {
-  if (a.lo > b.hi) return Taken::kFirst;
-  return b.lo >= a.hi ? Taken::kSecond : Taken::kUnknown;
+  return smaller(-a, -b);
 }
 
 /// The same for operands that are blended where they differ by less than `reach`.
@@ -114,6 +114,8 @@ typename Pruner<Real>::Choice Pruner<Real>::choose(const Instruction& instructio
     const bool is_second = taken == Taken::kSecond;
     return {true, is_second && negates_second, false, first + (is_second ? 1U : 0U)};
   };
+  // a weight of 0 does not keep out what is infinite
+  const auto mixed = [&](Taken taken) -> Choice { return (in[3] - in[2]).is_finite() ? among(taken, 2) : Choice{}; };
   switch (instruction.op) {
     case Opcode::kUnion: return among(smaller(in[0], in[1]), 0);
     case Opcode::kIntersection: return among(larger(in[0], in[1]), 0);
@@ -125,9 +127,9 @@ typename Pruner<Real>::Choice Pruner<Real>::choose(const Instruction& instructio
     case Opcode::kSelectUnion: return among(smaller(in[0], in[1]), 2);
     case Opcode::kSelectIntersection: return among(larger(in[0], in[1]), 2);
     case Opcode::kSelectDifference: return among(larger(in[0], -in[1]), 2);
-    case Opcode::kMixUnion: return among(smaller_by(in[0], in[1], p[0]), 2);
-    case Opcode::kMixIntersection: return among(smaller_by(-in[0], -in[1], p[0]), 2);
-    case Opcode::kMixDifference: return among(smaller_by(-in[0], in[1], p[0]), 2);
+    case Opcode::kMixUnion: return mixed(smaller_by(in[0], in[1], p[0]));
+    case Opcode::kMixIntersection: return mixed(smaller_by(-in[0], -in[1], p[0]));
+    case Opcode::kMixDifference: return mixed(smaller_by(-in[0], in[1], p[0]));
     case Opcode::kWhere: {
       const Truth is_false = in[0] == Range<Real>(Real(0));
       if (in[0].is_whole()) return {};

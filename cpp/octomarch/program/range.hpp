@@ -50,6 +50,7 @@ struct Range {
   bool is_whole() const {
     return lo == -std::numeric_limits<Real>::infinity() && hi == std::numeric_limits<Real>::infinity();
   }
+  bool is_finite() const { return magnitude() <= std::numeric_limits<Real>::max(); }
   /// Largest |x| in it.
   Real magnitude() const { return std::max(std::fabs(lo), std::fabs(hi)); }
 
@@ -57,7 +58,9 @@ struct Range {
   friend Range operator-(const Range& a, const Range& b) { return {a.lo - b.hi, a.hi - b.lo}; }
   friend Range operator-(const Range& a) { return {-a.hi, -a.lo}; }
   friend Range operator*(const Range& a, const Range& b) {
-    if (a.lo >= Real(0) && b.lo >= Real(0)) return {a.lo * b.lo, a.hi * b.hi};
+    const Real largest = a.hi * b.hi;
+    if (a.lo >= Real(0) && b.lo >= Real(0) && largest <= std::numeric_limits<Real>::max())
+      return {a.lo * b.lo, largest};
     const Real products[4] = {a.lo * b.lo, a.lo * b.hi, a.hi * b.lo, a.hi * b.hi};
     return enclosing(products);
   }
@@ -149,10 +152,10 @@ Range<Real> approximated(const Interval& exact, double magnitude) {
   return {static_cast<Real>(exact.lo() - room), static_cast<Real>(exact.hi() + room)};
 }
 
-/// A function of approximated numbers by its bounds over intervals.
+/// A function of approximated numbers by its bounds over intervals. Of infinity it may be no number.
 template <class Real, class Function>
 Range<Real> by_interval(const Range<Real>& a, Function&& function) {
-  if (a.is_whole()) return a;
+  if (!a.is_finite()) return Range<Real>::whole();
   const Interval exact = function(Interval(static_cast<double>(a.lo), static_cast<double>(a.hi)));
   return approximated<Real>(exact, exact.magnitude());
 }
