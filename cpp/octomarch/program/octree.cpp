@@ -148,7 +148,7 @@ bool Octree<Real>::is_small(const Region<Real>& region) const {
 }
 
 bool is_worth_an_octree(const Tape& tape, const Aabb& focus) {
-  if (tape.code.size() < kLong) return false;
+  if (tape.code.size() < kLong || !(longest_side(focus) > 0.0)) return false;  // a point has no parts
   Pruner<double> pruner(tape);
   const TapePart whole = whole_of(tape);
   // a few cells on a diagonal stand for all
