@@ -156,15 +156,12 @@ void surface_points(const RayView<Real>& rays, Real epsilon_slope, const Real* t
   using T = Lanes<Real>;
   std::uint32_t padded[kWidth<Real>];
   for (std::size_t i = 0; i < surface.count; i += kWidth<Real>) {
-    const std::uint32_t* own = indices + i;
-    if (surface.count - i < kWidth<Real>) {  // the last one fills the batch
-      for (std::size_t lane = 0; lane < kWidth<Real>; ++lane) {
-        padded[lane] = indices[i + lane < surface.count ? i + lane : surface.count - 1];
-      }
-      own = padded;
+    const bool is_whole = surface.count - i >= kWidth<Real>;
+    for (std::size_t lane = 0; !is_whole && lane < kWidth<Real>; ++lane) {  // the last one fills the batch
+      padded[lane] = indices[i + lane < surface.count ? i + lane : surface.count - 1];
     }
-    // indices ascend
-    const bool are_neighbours = own[kWidth<Real> - 1] - own[0] == kWidth<Real> - 1;
+    const std::uint32_t* const own = is_whole ? indices + i : padded;
+    const bool are_neighbours = is_whole && own[kWidth<Real> - 1] - own[0] == kWidth<Real> - 1;  // indices ascend
     const auto of = [&](const Column<Real>& column) { return gathered(column, own, are_neighbours); };
     const T at_t = of({t, 0});
     const ops::Triple<T> d{of(rays.dx), of(rays.dy), of(rays.dz)};
