@@ -442,7 +442,7 @@ TEST_CASE("the shapes of these tests hold every opcode") {
 }
 
 TEST_CASE_TEMPLATE("ranges hold what every instruction gives at points of a region", Real, float, double) {
-  Random random(1);
+  Random random(1);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   for (const Tape* tape : tapes()) {
     for (int trial = 0; trial < 200; ++trial) {
       const Region<Real> region = random_region<Real>(random);
@@ -452,7 +452,7 @@ TEST_CASE_TEMPLATE("ranges hold what every instruction gives at points of a regi
 }
 
 TEST_CASE_TEMPLATE("parts, and parts of parts, give the results of the whole tape", Real, float, double) {
-  Random random(2);
+  Random random(2);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   std::size_t dropped = 0;
   for (const auto& program : programs()) {
     for (int trial = 0; trial < 200; ++trial) {
@@ -466,7 +466,7 @@ TEST_CASE_TEMPLATE("parts, and parts of parts, give the results of the whole tap
 }
 
 TEST_CASE_TEMPLATE("a long tape in cells of all sizes", Real, float, double) {
-  Random random(3);
+  Random random(3);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   for (const double k : {0.0, 0.5}) {
     std::vector<NodePtr> rows;
     for (int i = 0; i < 6; ++i) rows.push_back(rotate(row_of_balls(10, k), 50.0 * i, {1.0, i + 0.5, 2.0}));
@@ -478,7 +478,7 @@ TEST_CASE_TEMPLATE("a long tape in cells of all sizes", Real, float, double) {
 }
 
 TEST_CASE_TEMPLATE("what is never decided is never pruned", Real, float, double) {
-  Random random(4);
+  Random random(4);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   for (const NodePtr& shape : primitives()) {
     const auto program = compile(shape);
     const bool has_choice = std::any_of(program->distance().code.begin(), program->distance().code.end(),
