@@ -209,3 +209,17 @@ def test_march_resolves_max_distance_from_the_bounds():
 def test_bad_marches_are_refused(arguments, error, message):
     with pytest.raises(error, match=message):
         om.March(**arguments)
+
+
+def test_surface_points_are_those_of_their_rays(isa: str, precision: str):
+    """Whichever of some neighbouring rays hit: positions are gathered by their indices."""
+    rng = np.random.default_rng(2)
+    for count in (8, 16, 19):
+        origins = rng.uniform((-0.5, -0.5, 2.5), (0.5, 0.5, 3.5), (count, 3))
+        for _ in range(60):
+            hits_ball = rng.random(count) < 0.7
+            directions = np.where(hits_ball[:, None], [0.0, 0, -1], [0, 0, 1.0])
+            hits = BALL.raycast(origins, directions, precision=precision, isa=isa)
+            assert_array_equal(hits.status == om.Status.HIT, hits_ball)
+            expected = origins[hits_ball] + hits.t[hits_ball, None] * directions[hits_ball]
+            assert_allclose(hits.position[hits_ball], expected, atol=1e-6)
