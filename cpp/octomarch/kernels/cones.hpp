@@ -78,7 +78,7 @@ void cone_points(const ConeView<Real>& cones, const Vectors<Real>& points) {
 }
 
 /// Where the field is r, all rays of a cone are free as far as t + r less the cone's width there. A cone ends where it would
-/// gain less than half its width, or no more than rays take for a hit.
+/// gain less than a quarter of its width, or no more than rays take for a hit.
 template <class Real>
 std::uint64_t step_cones(const ConeView<Real>& cones, const MarchParameters<Real>& parameters, const Real* field,
                          std::uint64_t live) {
@@ -91,7 +91,7 @@ std::uint64_t step_cones(const ConeView<Real>& cones, const MarchParameters<Real
     const T width = (T::load(cones.width + i) + T::load(cones.spread + i) * t) * margin;
     const T epsilon = max(T::load(cones.epsilon + i), T(parameters.epsilon_slope) * t);
     const T gain = r - width - epsilon;
-    const Mask<Real> gains = (gain > width * T(Real(0.5))) & (gain > epsilon) & (t <= T::load(cones.t_max + i)) &
+    const Mask<Real> gains = (gain > width * T(Real(0.25))) & (gain > epsilon) & (t <= T::load(cones.t_max + i)) &
                              Mask<Real>::from_bits(live >> i);
     select(gains, t + gain, t).store(cones.t + i);
     goes_on |= gains.bits() << i;

@@ -138,12 +138,13 @@ struct LongSteps {
       const T growth = min(r - before, stride * T(kSteepest));
       beyond = r * T(kStrength) * (stride + growth) * rough_reciprocal(stride - growth);
     }
-    // what lies between the last empty sphere and t_max is not passed unseen; a NaN passes a maximum's second operand
-    const T length = max(min(r + beyond, t_max - t), r);
-    const T next = min(t + length, max(t_max, t + r));  // the sum may be rounded to what is past t_max
+    // What lies between the last empty sphere and t_max is not passed unseen. The way there is a little less than it is, so
+    // that no sum is rounded to what is past t_max. A NaN passes a maximum's second operand.
+    const T way_left = (t_max - t) * T(Real(1) - Real(4) * std::numeric_limits<Real>::epsilon());
+    const T length = max(min(r + beyond, way_left), r);
     select(forth, r, before).store(state.carried + lane);
     select(forth, length, select(back, before, stride)).store(state.stride + lane);
-    return {back | forth, select(forth, next, select(back, t + (before - stride), t))};
+    return {back | forth, t + select(forth, length, select(back, before - stride, T(Real(0))))};
   }
 };
 
