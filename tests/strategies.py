@@ -124,6 +124,8 @@ def twisted(inner: Sample, degrees: float, name: str | None) -> Sample:
         shape = inner.shape.twist(degrees, name) if name else inner.shape.bend(degrees)
     except ValueError:
         return inner
+    if math.isinf(radius):  # a twist by nothing is none, and needs no end
+        return inner
     return replace(
         inner,
         shape=shape,

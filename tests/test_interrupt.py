@@ -54,7 +54,7 @@ GRAZED = "shape = om.plane(); camera = om.Camera((0, 1e-3, 0), (1, 0, 0), fov=0.
 MIRRORS = f"{LARGE}; shape = shape.paint(om.Material(0.5, reflectivity=1)) | om.plane(point=(0, -1, 0))"
 WORK = {
     "many pixels": (SMALL, "om.render(shape, camera, (16000, 16000), progress=note)"),
-    "many steps": (GRAZED, "om.render(shape, camera, (4000, 4000), progress=note, march=om.March(max_steps=10**6))"),
+    "many steps": (GRAZED, "om.render(shape, camera, (8000, 8000), progress=note, march=om.March('plain', 10**6))"),
     "fixed steps": (
         GRAZED,
         "om.render(shape, camera, (4000, 4000), progress=note, march=om.March('fixed', step=1e-5))",

@@ -5,7 +5,7 @@ import octomarch as om
 om.sphere("1")  # wrong
 om.sphere(1.0) | 2  # wrong
 om.render(om.sphere(1.0), planes=3)  # wrong
-om.March(method="relaxed")  # wrong
+om.March(method="magic")  # wrong
 om.cylinder(1.0, axis="w")  # wrong
 om.box(1.0, form="round")  # wrong
 om.sphere(1.0).twist(30, axis="w")  # wrong
