@@ -239,10 +239,10 @@ struct KernelTable {
   void (*visibility)(const RayView<Real>&, const MarchState<Real>&, Real* out);
   /// What became of rays that have ended or are spent: octomarch::Status, and t, +inf for misses and invalid rays.
   void (*conclude)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&, std::uint8_t* status);
-  /// Ends of the secants of hits, and the points there; NaN for other rays and for hits that have been followed. Returns how
-  /// many there are.
-  std::size_t (*secants)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&,
-                         const std::uint8_t* status, Real* ends, const Vectors<Real>& points);
+  /// Ends of the secants of hits, and the points there; NaN for other rays and for hits that have been followed. Returns
+  /// whether there are any, and counts the evaluations that they take.
+  bool (*secants)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&,
+                  const std::uint8_t* status, Real* ends, const Vectors<Real>& points, Counters&);
   /// Moves hits to those ends, or a little farther, where the field there says that they are better. Some are to be followed
   /// once more.
   void (*follow_secants)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&,
@@ -250,7 +250,7 @@ struct KernelTable {
   /// Halves the last step of hits of fixed steps.
   void (*bisect)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                  const MarchState<Real>&, const std::uint8_t* status, Counters&);
-  /// The tape's result at points; NaN at NaN points. This and the next two poll `cancelled` at every block.
+  /// The tape's result at points; NaN at NaN points, of which whole blocks cost nothing. This and the next two poll `cancelled` at every block.
   void (*distance)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
                    const bool* cancelled, Real* out);
   /// Several results of a tape at points: outs[i] gets that of register results[i]. `normals`: inputs 3, 4, 5 of tapes that
@@ -274,11 +274,11 @@ struct KernelTable {
   /// within the hit epsilon, is turned until it is square to the ray.
   void (*face_rays)(const SurfaceView<Real>&);
   /// Points at a height above the surface, where its occlusion is sampled.
-  void (*points_above)(const SurfaceView<Real>&, Real height, const Vectors<Real>& points);
-  /// Adds weight times what the field lacks there of the height.
-  void (*add_missing)(const Real* field, std::size_t count, Real height, Real weight, Real* missing);
-  /// Turns what is missing of what was expected into ambient visibility.
-  void (*occlusion)(std::size_t count, Real expected, Real* missing);
+  void (*occlusion_points)(const SurfaceView<Real>&, Real height, const Vectors<Real>& points);
+  /// Adds weight times what the field there lacks of the height.
+  void (*add_occlusion)(const Real* field, std::size_t count, Real height, Real weight, Real* occlusion);
+  /// Turns such a sum, of which `most` is the largest, into ambient visibility.
+  void (*ambient_visibility)(std::size_t count, Real most, Real* occlusion);
   /// Brings slots into their ranges: albedo ≥ 0, the others 0 … 1, NaN to 0. Fills exponent.
   void (*clamp_materials)(const MaterialView<Real>&, std::size_t count);
   /// Colours ≥ 0, NaN to 0.

@@ -11,7 +11,16 @@ inline constexpr std::size_t kPacketLanes = kPacketWidth * kPacketHeight;
 inline constexpr std::size_t kPackets = 8;                      ///< slots of a block
 inline constexpr std::size_t kLanes = kPackets * kPacketLanes;  ///< of a block, and of a register
 inline constexpr std::size_t kBlockEdge = 8;                    ///< pixels, of a block of camera rays
-inline constexpr std::size_t kAlignment = 64;                   ///< bytes: one AVX-512 batch, one cache line
+inline constexpr std::size_t kPacketsAcross = kBlockEdge / kPacketWidth;
+inline constexpr std::size_t kAlignment = 64;  ///< bytes: one AVX-512 batch, one cache line
+
+/// Where the pixel of a lane lies in a block of camera rays, from its upper left corner.
+constexpr std::size_t lane_column(std::size_t lane) {
+  return lane / kPacketLanes % kPacketsAcross * kPacketWidth + lane % kPacketWidth;
+}
+constexpr std::size_t lane_row(std::size_t lane) {
+  return lane / kPacketLanes / kPacketsAcross * kPacketHeight + lane / kPacketWidth % kPacketHeight;
+}
 
 /// Rows of kLanes that a march needs beside its two register files: five busy and five quiet ones for each of two blocks,
 /// and two more where steps are relaxed. All lie in one piece, the busy rows of both blocks and the files first: rows a

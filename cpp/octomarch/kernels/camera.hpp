@@ -14,13 +14,9 @@ struct BlockPixels {
   alignas(kAlignment) Real row[kLanes];
 
   constexpr BlockPixels() : column{}, row{} {
-    constexpr std::size_t kPacketsAcross = kBlockEdge / kPacketWidth;
     for (std::size_t lane = 0; lane < kLanes; ++lane) {
-      const std::size_t packet = lane / kPacketLanes;
-      const std::size_t across = packet % kPacketsAcross * kPacketWidth + lane % kPacketWidth;
-      const std::size_t down = packet / kPacketsAcross * kPacketHeight + lane / kPacketWidth % kPacketHeight;
-      column[lane] = static_cast<Real>(across);
-      row[lane] = static_cast<Real>(down);
+      column[lane] = static_cast<Real>(lane_column(lane));
+      row[lane] = static_cast<Real>(lane_row(lane));
     }
   }
 };

@@ -124,12 +124,13 @@ T to_root(const T& before, const T& r, const T& apart) {
 
 /// Hits that have been followed to their end carry 0.
 template <class Real>
-std::size_t secants(const RayView<Real>& rays, const MarchParameters<Real>& parameters, const MarchState<Real>& state,
-                    const std::uint8_t* status, Real* ends, const Vectors<Real>& points) {
+bool secants(const RayView<Real>& rays, const MarchParameters<Real>& parameters, const MarchState<Real>& state,
+             const std::uint8_t* status, Real* ends, const Vectors<Real>& points, Counters& counters) {
   using T = Lanes<Real>;
   const T nowhere = std::numeric_limits<Real>::quiet_NaN();
-  std::size_t count = 0;
+  bool any = false;
   for_each_block(rays.count, status, kHit, [&](std::size_t first, std::uint64_t hits) {
+    std::uint64_t open = 0;
     for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
       const std::size_t i = first + lane;
       const T t = T::load(state.t + i);
@@ -138,14 +139,17 @@ std::size_t secants(const RayView<Real>& rays, const MarchParameters<Real>& para
       const T r = T::load(state.radius + i) * T(parameters.step_scale);
       const T step = to_root(before, r, last_step(parameters, state, i));
       const T end = select(is_open, min(t + step, at(rays.t_max, i)), nowhere);
-      count += static_cast<std::size_t>(__builtin_popcountll(is_open.bits()));
+      open |= is_open.bits() << lane;
       end.store(ends + i);
       (at(rays.ox, i) + end * at(rays.dx, i)).store(points.x + i);
       (at(rays.oy, i) + end * at(rays.dy, i)).store(points.y + i);
       (at(rays.oz, i) + end * at(rays.dz, i)).store(points.z + i);
     }
+    counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(open));
+    counters.lane_slots += open == 0 ? 0 : kLanes;
+    any = any || open != 0;
   });
-  return count;
+  return any;
 }
 
 /// On a surface the secant all but closes the gap; where a sixteenth of the hit epsilon is left, a ray that only grazes an

@@ -94,7 +94,7 @@ struct FixedSteps {
   }
 };
 
-/// 1/a to 1.5 % at the most, never more, for a > 0: by the bits, since logarithms of numbers are nearly linear in them, and a
+/// 1/a less 0.3 % of it at the most, for a > 0: by the bits, since logarithms of numbers are nearly linear in them, and a
 /// step of Newton. Made of operations that are the same everywhere, unlike the instructions for it.
 template <class Real>
 Lanes<Real> rough_reciprocal(const Lanes<Real>& a) {

@@ -22,19 +22,21 @@ void distance(const TapeView<Real>& tape, Real* registers, const Vectors<const R
   using T = Lanes<Real>;
   for (std::size_t first = 0; first < count && !is_set(cancelled); first += kLanes) {
     const std::size_t n = batches<Real>(lanes_in_block(first, count));
-    for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-      T::load(points.x + first + lane).store(registers + lane);
-      T::load(points.y + first + lane).store(registers + kLanes + lane);
-      T::load(points.z + first + lane).store(registers + 2 * kLanes + lane);
-    }
-    const Real* field = evaluate(tape, registers, n);
+    // minima drop a NaN operand, so a NaN coordinate has to be looked for
+    std::uint64_t numbers = 0;
     for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
       const T x = T::load(points.x + first + lane);
       const T y = T::load(points.y + first + lane);
       const T z = T::load(points.z + first + lane);
-      // minima drop a NaN operand, so a NaN coordinate has to be looked for
-      const Mask<Real> number = (x == x) & (y == y) & (z == z);
-      select(number, T::load(field + lane), T(kNaN<Real>)).store(out + first + lane);
+      x.store(registers + lane);
+      y.store(registers + kLanes + lane);
+      z.store(registers + 2 * kLanes + lane);
+      numbers |= ((x == x) & (y == y) & (z == z)).bits() << lane;
+    }
+    const Real* const field = numbers == 0 ? registers : evaluate(tape, registers, n);
+    for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
+      const Mask<Real> is_number = Mask<Real>::from_bits(numbers >> lane);
+      select(is_number, T::load(field + lane), T(kNaN<Real>)).store(out + first + lane);
     }
   }
 }
@@ -217,7 +219,7 @@ void mirror_rays(const SurfaceView<Real>& surface, Real offset, const Vectors<Re
 }
 
 template <class Real>
-void points_above(const SurfaceView<Real>& surface, Real height, const Vectors<Real>& points) {
+void occlusion_points(const SurfaceView<Real>& surface, Real height, const Vectors<Real>& points) {
   using T = Lanes<Real>;
   const T h = height;
   for (std::size_t i = 0; i < surface.count; i += kWidth<Real>) {
@@ -228,20 +230,20 @@ void points_above(const SurfaceView<Real>& surface, Real height, const Vectors<R
 }
 
 template <class Real>
-void add_missing(const Real* field, std::size_t count, Real height, Real weight, Real* missing) {
+void add_occlusion(const Real* field, std::size_t count, Real height, Real weight, Real* occlusion) {
   using T = Lanes<Real>;
   for (std::size_t i = 0; i < count; i += kWidth<Real>) {
     // a sample inside a solid lacks all of its height, no more
     const T lacking = min(max(T(height) - T::load(field + i), T(Real(0))), T(height));
-    (T::load(missing + i) + T(weight) * lacking).store(missing + i);
+    (T::load(occlusion + i) + T(weight) * lacking).store(occlusion + i);
   }
 }
 
 template <class Real>
-void occlusion(std::size_t count, Real expected, Real* missing) {
+void ambient_visibility(std::size_t count, Real most, Real* occlusion) {
   using T = Lanes<Real>;
   for (std::size_t i = 0; i < count; i += kWidth<Real>) {
-    (T(Real(1)) - min(T::load(missing + i) / T(expected), T(Real(1)))).store(missing + i);
+    (T(Real(1)) - min(T::load(occlusion + i) / T(most), T(Real(1)))).store(occlusion + i);
   }
 }
 

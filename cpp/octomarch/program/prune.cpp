@@ -114,8 +114,6 @@ typename Pruner<Real>::Choice Pruner<Real>::choose(const Instruction& instructio
     const bool is_second = taken == Taken::kSecond;
     return {true, is_second && negates_second, false, first + (is_second ? 1U : 0U)};
   };
-  // a weight of 0 does not keep out what is infinite
-  const auto mixed = [&](Taken taken) -> Choice { return (in[3] - in[2]).is_finite() ? among(taken, 2) : Choice{}; };
   switch (instruction.op) {
     case Opcode::kUnion: return among(smaller(in[0], in[1]), 0);
     case Opcode::kIntersection: return among(larger(in[0], in[1]), 0);
@@ -124,12 +122,6 @@ typename Pruner<Real>::Choice Pruner<Real>::choose(const Instruction& instructio
     case Opcode::kSmoothIntersection: return among(smaller_by(-in[0], -in[1], p[0]), 0);
     case Opcode::kSmoothDifference: return among(smaller_by(-in[0], in[1], p[0]), 0, true);
     case Opcode::kMetaballs: return among(smaller_by(in[0], in[1], p[0] * kMetaballReach<Real>), 0);
-    case Opcode::kSelectUnion: return among(smaller(in[0], in[1]), 2);
-    case Opcode::kSelectIntersection: return among(larger(in[0], in[1]), 2);
-    case Opcode::kSelectDifference: return among(larger(in[0], -in[1]), 2);
-    case Opcode::kMixUnion: return mixed(smaller_by(in[0], in[1], p[0]));
-    case Opcode::kMixIntersection: return mixed(smaller_by(-in[0], -in[1], p[0]));
-    case Opcode::kMixDifference: return mixed(smaller_by(-in[0], in[1], p[0]));
     case Opcode::kWhere: {
       const Truth is_false = in[0] == Range<Real>(Real(0));
       if (in[0].is_whole()) return {};

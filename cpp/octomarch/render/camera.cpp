@@ -53,33 +53,31 @@ CameraFrame frame(const Camera& camera, std::uint32_t width, std::uint32_t heigh
 template <class Real>
 void panoramic_rays(const CameraFrame& frame, const kernels::TileView& tile, const PixelPoint& point,
                     VectorBuffer<Real>& directions) {
-  constexpr std::size_t kPacketsAcross = kernels::kBlockEdge / kernels::kPacketWidth;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::size_t width = std::size_t{tile.blocks_across} * kernels::kBlockEdge;
   const std::size_t height = std::size_t{tile.blocks_down} * kernels::kBlockEdge;
   std::vector<Vec3> level(width);  // of each column, the direction at latitude 0; NaN outside the picture
   for (std::size_t i = 0; i < width; ++i) {
-    const double pixel = static_cast<double>(tile.x + i) + point.x;
-    const double longitude = frame.longitude + pixel * frame.column;
+    const double longitude = frame.longitude + (static_cast<double>(tile.x + i) + point.x) * frame.column;
     level[i] = frame.corner * std::cos(longitude) + frame.right * std::sin(longitude);
-    if (tile.x + i >= tile.width) level[i].x = level[i].y = level[i].z = std::numeric_limits<double>::quiet_NaN();
+    if (tile.x + i >= tile.width) level[i] = {kNone, kNone, kNone};
   }
+  std::vector<double> cosine(height);  // of each row, of its latitude; NaN likewise
+  std::vector<Vec3> rise(height);
   for (std::size_t j = 0; j < height; ++j) {
-    const double pixel = static_cast<double>(tile.y + j) + point.y;
-    const double latitude = frame.latitude - pixel * frame.row;
-    const bool wanted = tile.y + j < tile.height;
-    const double cosine = wanted ? std::cos(latitude) : std::numeric_limits<double>::quiet_NaN();
-    const Vec3 rise = frame.down * -std::sin(latitude);
-    for (std::size_t i = 0; i < width; ++i) {
-      const Vec3 direction = level[i] * cosine + rise;
-      const std::size_t block = j / kernels::kBlockEdge * tile.blocks_across + i / kernels::kBlockEdge;
-      const std::size_t packet = j % kernels::kBlockEdge / kernels::kPacketHeight * kPacketsAcross +
-                                 i % kernels::kBlockEdge / kernels::kPacketWidth;
-      const std::size_t ray = block * kernels::kLanes + packet * kernels::kPacketLanes +
-                              j % kernels::kPacketHeight * kernels::kPacketWidth + i % kernels::kPacketWidth;
-      directions.x[ray] = static_cast<Real>(direction.x);
-      directions.y[ray] = static_cast<Real>(direction.y);
-      directions.z[ray] = static_cast<Real>(direction.z);
-    }
+    const double latitude = frame.latitude - (static_cast<double>(tile.y + j) + point.y) * frame.row;
+    cosine[j] = tile.y + j < tile.height ? std::cos(latitude) : kNone;
+    rise[j] = frame.down * -std::sin(latitude);
+  }
+  for (std::size_t ray = 0; ray < tile.rays(); ++ray) {
+    const std::size_t block = ray / kernels::kLanes;
+    const std::size_t lane = ray % kernels::kLanes;
+    const std::size_t i = block % tile.blocks_across * kernels::kBlockEdge + kernels::lane_column(lane);
+    const std::size_t j = block / tile.blocks_across * kernels::kBlockEdge + kernels::lane_row(lane);
+    const Vec3 direction = level[i] * cosine[j] + rise[j];
+    directions.x[ray] = static_cast<Real>(direction.x);
+    directions.y[ray] = static_cast<Real>(direction.y);
+    directions.z[ray] = static_cast<Real>(direction.z);
   }
 }
 

@@ -33,8 +33,7 @@ Field<Real>::Field(const Program& program, Octree<Real>* octree, const kernels::
       tape_(program.distance(), TapeUse::kMarches),
       points_(kernels::padded_lanes(size)),
       values_(kernels::padded_lanes(size)),
-      ends_(kernels::padded_lanes(size)),
-      cones_(kernels::padded_lanes(size / kernels::kLanes)) {
+      ends_(kernels::padded_lanes(size)) {
   if (octree != nullptr) groups_.emplace(*octree);
 }
 
@@ -123,31 +122,26 @@ void Field<Real>::sample_around(const kernels::Vectors<const Real>& points, std:
 template <class Real>
 void Field<Real>::advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                                    Buffer<Real>& start, kernels::Counters& counters) {
-  const std::size_t blocks = rays.count / kernels::kLanes;
-  const kernels::ConeView<Real> all{blocks,
-                                    cones_.origin.view(),
-                                    cones_.direction.view(),
-                                    cones_.width.data(),
-                                    cones_.spread.data(),
-                                    cones_.epsilon.data(),
-                                    cones_.t_max.data(),
-                                    cones_.t.data()};
-  kernels_.fit_cones(rays, parameters, all);
-  for (std::size_t first = 0; first < blocks; first += kernels::kLanes) {
-    const std::size_t count = std::min(kernels::kLanes, blocks - first);
-    kernels::ConeView<Real> cones = all;
-    cones.count = count;
-    std::uint64_t live = ~std::uint64_t{0} >> (kernels::kLanes - count);
-    for (int step = 0; live != 0 && step < parameters.max_steps && !is_set(*parameters.cancelled); ++step) {
-      kernels_.cone_points(cones, points_.view());
-      distance(points_.read(), count, *parameters.cancelled, values_.data());
-      counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
-      counters.lane_slots += kernels::kLanes;
-      live = kernels_.step_cones(cones, parameters, values_.data(), live);
-    }
-    for (std::size_t i = 0; i < count; ++i) {
-      std::fill_n(start.data() + (first + i) * kernels::kLanes, kernels::kLanes, cones_.t[first + i]);
-    }
+  const std::size_t count = rays.count / kernels::kLanes;
+  const kernels::ConeView<Real> cones{count,
+                                      cones_.origin.view(),
+                                      cones_.direction.view(),
+                                      cones_.width.data(),
+                                      cones_.spread.data(),
+                                      cones_.epsilon.data(),
+                                      cones_.t_max.data(),
+                                      cones_.t.data()};
+  kernels_.fit_cones(rays, parameters, cones);
+  std::uint64_t live = ~std::uint64_t{0} >> (kernels::kLanes - count);
+  for (int step = 0; live != 0 && step < parameters.max_steps && !is_set(*parameters.cancelled); ++step) {
+    kernels_.cone_points(cones, points_.view());
+    distance(points_.read(), count, *parameters.cancelled, values_.data());
+    counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
+    counters.lane_slots += kernels::kLanes;
+    live = kernels_.step_cones(cones, parameters, values_.data(), live);
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    std::fill_n(start.data() + i * kernels::kLanes, kernels::kLanes, cones_.t[i]);
   }
 }
 
@@ -276,11 +270,8 @@ void Field<Real>::follow_secants(const kernels::RayView<Real>& rays, const kerne
                                  const kernels::MarchState<Real>& state, const std::uint8_t* status,
                                  kernels::Counters& counters) {
   for (int round = 0; round < 2; ++round) {
-    const std::size_t hits = kernels_.secants(rays, parameters, state, status, ends_.data(), points_.view());
-    if (hits == 0) return;
+    if (!kernels_.secants(rays, parameters, state, status, ends_.data(), points_.view(), counters)) return;
     distance(points_.read(), rays.count, *parameters.cancelled, values_.data());
-    counters.evaluations += hits;
-    counters.lane_slots += kernels::padded_lanes(rays.count);
     kernels_.follow_secants(rays, parameters, state, status, ends_.data(), values_.data());
   }
 }

@@ -36,7 +36,7 @@ class Field {
                      const kernels::StencilView<Real>& stencil, const bool& cancelled,
                      const kernels::Vectors<Real>& out);
 
-  /// Sets `start` of whole blocks of rays to where none of a block has met anything yet, by marching a cone about each.
+  /// Sets `start` of whole blocks of rays, kLanes of them at the most, to where none of a block has met anything yet, by marching a cone about each.
   void advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                         Buffer<Real>& start, kernels::Counters& counters);
   /// Fills t and status of `batch`, and `steps` (exactly rays.count long) unless it is null.
@@ -67,10 +67,9 @@ class Field {
 
   /// Cones about the blocks of a batch.
   struct Cones {
-    explicit Cones(std::size_t size)
-        : origin(size), direction(size), width(size), spread(size), epsilon(size), t_max(size), t(size) {}
-    VectorBuffer<Real> origin, direction;
-    Buffer<Real> width, spread, epsilon, t_max, t;
+    static constexpr std::size_t kMost = kernels::kLanes;
+    VectorBuffer<Real> origin{kMost}, direction{kMost};
+    Buffer<Real> width{kMost}, spread{kMost}, epsilon{kMost}, t_max{kMost}, t{kMost};
   };
 
   /// Elements sorted by cells.

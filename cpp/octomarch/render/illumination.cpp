@@ -51,17 +51,17 @@ void Illumination<Real>::find_occlusion(SurfacePass<Real>& surface, const bool& 
   const auto distance = clamped<Real>(shading.occlusion_distance);
   std::fill_n(ambient_.data(), surface.count(), Real(0));
   Real weight = 1;
-  Real expected = 0;
+  Real most = 0;
   for (int sample = 1; sample <= shading.occlusion; ++sample) {
     weight *= Real(0.5);
     const Real share = Real(sample) / Real(shading.occlusion);
     const Real height = distance * share * share;
-    expected += weight * height;
-    kernels_.points_above(surface.view(), height, above_.view());
+    most += weight * height;
+    kernels_.occlusion_points(surface.view(), height, above_.view());
     surface.field().distance(above_.read(), surface.count(), cancelled, field_above_.data());
-    kernels_.add_missing(field_above_.data(), surface.count(), height, weight, ambient_.data());
+    kernels_.add_occlusion(field_above_.data(), surface.count(), height, weight, ambient_.data());
   }
-  kernels_.occlusion(surface.count(), expected, ambient_.data());
+  kernels_.ambient_visibility(surface.count(), most, ambient_.data());
 }
 
 template <class Real>

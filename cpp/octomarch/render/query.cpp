@@ -16,6 +16,11 @@ namespace {
 /// Points or rays per task: enough to keep blocks full, few enough that a cancelled query ends soon.
 std::size_t chunk_size(const Program& program) { return program.distance().code.size() < 1000 ? 4096 : 512; }
 
+/// What a worker's memory has to hold for tasks of a query of `count` points or rays.
+std::size_t scratch_size(const Program& program, std::size_t count) {
+  return kernels::padded_lanes(std::min(chunk_size(program), count));
+}
+
 /// Runs body(first, count, worker, cancelled) over [0, count) in chunks. One chunk of little work stays on the calling
 /// thread, where starting another would cost more; `evaluations`: of each item, at the most.
 template <class Body>
@@ -161,7 +166,8 @@ void query_distance(const Program& program, const double* points, std::size_t co
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s = scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), chunk_size(program));
+        auto& s =
+            scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), scratch_size(program, count));
         split(points + 3 * first, n, s.points);
         s.field.distance(s.points.read(), n, cancelled, s.out.x.data());
         std::copy_n(s.out.x.data(), n, out + first);
@@ -174,7 +180,8 @@ void query_gradient(const Program& program, const double* points, std::size_t co
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s = scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), chunk_size(program));
+        auto& s =
+            scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), scratch_size(program, count));
         split(points + 3 * first, n, s.points);
         s.field.gradient(s.points.read(), n, cancelled, s.out.view());
         for (std::size_t i = 0; i < n; ++i) {
@@ -195,7 +202,7 @@ void query_rays(const Program& program, const double* origins, const double* dir
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(program, count, static_cast<std::size_t>(march.max_steps), how,
                  [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-                   auto& s = scratch_of(scratch, worker, program, octree.get(), kernels, chunk_size(program));
+                   auto& s = scratch_of(scratch, worker, program, octree.get(), kernels, scratch_size(program, count));
                    set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
                    const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
                    const kernels::RayView<Real> rays =

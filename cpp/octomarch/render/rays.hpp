@@ -11,10 +11,20 @@
 
 namespace octomarch {
 
-/// Rays and what the march made of them, `size` at the most, rounded up to whole blocks.
+/// Rays and what the march made of them, `size` at the most: whole blocks.
 template <class Real>
 struct RayBatch {
-  explicit RayBatch(std::size_t size) : RayBatch(kernels::padded_lanes(size), 0) {}
+  explicit RayBatch(std::size_t size)
+      : origin(size),
+        direction(size),
+        start(size),
+        t(size),
+        status(size),
+        radius_(size),
+        before_(size),
+        stride_(size),
+        boldness_(size),
+        pause_(size) {}
 
   VectorBuffer<Real> origin;     ///< not used where all rays share one
   VectorBuffer<Real> direction;  ///< likewise
@@ -28,18 +38,6 @@ struct RayBatch {
   }
 
  private:
-  RayBatch(std::size_t padded, int /*tag*/)
-      : origin(padded),
-        direction(padded),
-        start(padded),
-        t(padded),
-        status(padded),
-        radius_(padded),
-        before_(padded),
-        stride_(padded),
-        boldness_(padded),
-        pause_(padded) {}
-
   Buffer<Real> radius_, before_, stride_, boldness_;
   Buffer<std::uint8_t> pause_;
 };

@@ -10,8 +10,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-constexpr std::size_t kPacketsAcross = kernels::kBlockEdge / kernels::kPacketWidth;
-
 /// A pixel of the whole picture.
 struct Pixel {
   std::uint32_t x, y;
@@ -19,12 +17,9 @@ struct Pixel {
 
 Pixel pixel_of(const kernels::TileView& tile, std::size_t ray) {
   const std::size_t block = ray / kernels::kLanes;
-  const std::size_t packet = ray % kernels::kLanes / kernels::kPacketLanes;
-  const std::size_t lane = ray % kernels::kPacketLanes;
-  const std::size_t x = tile.x + block % tile.blocks_across * kernels::kBlockEdge +
-                        packet % kPacketsAcross * kernels::kPacketWidth + lane % kernels::kPacketWidth;
-  const std::size_t y = tile.y + block / tile.blocks_across * kernels::kBlockEdge +
-                        packet / kPacketsAcross * kernels::kPacketHeight + lane / kernels::kPacketWidth;
+  const std::size_t lane = ray % kernels::kLanes;
+  const std::size_t x = tile.x + block % tile.blocks_across * kernels::kBlockEdge + kernels::lane_column(lane);
+  const std::size_t y = tile.y + block / tile.blocks_across * kernels::kBlockEdge + kernels::lane_row(lane);
   return {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)};
 }
 
@@ -45,10 +40,8 @@ void for_each_run(const kernels::TileView& tile, const Crop& crop, Function&& f)
     const Pixel corner = pixel_of(tile, block);
     const bool whole = contains(crop, corner) && contains(crop, pixel_of(tile, block + kernels::kLanes - 1));
     for (std::size_t lane = 0; lane < kernels::kLanes; lane += kernels::kPacketWidth) {
-      const std::size_t packet = lane / kernels::kPacketLanes;
-      const Pixel first{corner.x + static_cast<std::uint32_t>(packet % kPacketsAcross * kernels::kPacketWidth),
-                        corner.y + static_cast<std::uint32_t>(packet / kPacketsAcross * kernels::kPacketHeight +
-                                                              lane % kernels::kPacketLanes / kernels::kPacketWidth)};
+      const Pixel first{corner.x + static_cast<std::uint32_t>(kernels::lane_column(lane)),
+                        corner.y + static_cast<std::uint32_t>(kernels::lane_row(lane))};
       if (whole) {  // the common case, in which the count is known
         f(index_in(crop, first), block + lane, kernels::kPacketWidth);
         continue;
@@ -81,22 +74,20 @@ void store(Real* plane, std::size_t pixel, Real x, Real y, Real z) {
 
 }  // namespace
 
-/// Large tiles keep blocks full for longer.
 TileGrid::TileGrid(const Picture& picture)
     : crop(picture.crop),
       width(picture.width),
       height(picture.height),
-      edge(64),
-      left(crop.x / edge),
-      top(crop.y / edge),
-      across((crop.x + crop.width - 1) / edge - left + 1),
-      down((crop.y + crop.height - 1) / edge - top + 1) {}
+      left(crop.x / kEdge),
+      top(crop.y / kEdge),
+      across((crop.x + crop.width - 1) / kEdge - left + 1),
+      down((crop.y + crop.height - 1) / kEdge - top + 1) {}
 
 kernels::TileView TileGrid::tile(std::size_t index) const {
   constexpr std::uint32_t kBlock = kernels::kBlockEdge;
-  const auto range = [this](std::uint32_t tile, std::uint32_t first, std::uint32_t count) {
-    const std::uint32_t begin = std::max(tile * edge, first) / kBlock * kBlock;
-    const std::uint32_t end = std::min(tile * edge + edge, first + count);
+  const auto range = [](std::uint32_t tile, std::uint32_t first, std::uint32_t count) {
+    const std::uint32_t begin = std::max(tile * kEdge, first) / kBlock * kBlock;
+    const std::uint32_t end = std::min(tile * kEdge + kEdge, first + count);
     return std::pair(begin, (end - begin + kBlock - 1) / kBlock);
   };
   const auto [x, blocks_across] = range(left + static_cast<std::uint32_t>(index % across), crop.x, crop.width);
@@ -215,22 +206,15 @@ void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& p
   }
 }
 
-/// Rays of pixels that are not in the crop were there for the cones alone: they become invalid.
+/// Rays of pixels that are not in the crop were there for the cones alone: they become invalid. Counts the others.
 template <class Real>
-void TileRenderer<Real>::drop_rays_outside(const kernels::TileView& tile) {
-  const Crop& crop = grid_.crop;
-  const Pixel end{tile.x + tile.blocks_across * std::uint32_t{kernels::kBlockEdge},
-                  tile.y + tile.blocks_down * std::uint32_t{kernels::kBlockEdge}};
-  const auto within = [](std::uint32_t from, std::uint32_t to, std::uint32_t first, std::uint32_t count) {
-    return std::min(to, first + count) - std::max(from, first);
-  };
-  const std::size_t wanted =
-      std::size_t{within(tile.x, end.x, crop.x, crop.width)} * within(tile.y, end.y, crop.y, crop.height);
-  stats_.rays += wanted;
-  if (wanted == rays_) return;
+void TileRenderer<Real>::keep_rays_of_crop(const kernels::TileView& tile) {
   Buffer<Real>& component = frame_.one_origin() ? batch_.direction.x : batch_.origin.x;
-  for (std::size_t ray = 0; ray < rays_; ++ray) {
-    if (!contains(crop, pixel_of(tile, ray))) component[ray] = std::numeric_limits<Real>::quiet_NaN();
+  std::size_t kept = 0;
+  for_each_run(tile, grid_.crop, [&](std::size_t, std::size_t, std::size_t count) { kept += count; });
+  stats_.rays += kept;
+  for (std::size_t ray = 0; kept < rays_ && ray < rays_; ++ray) {
+    if (!contains(grid_.crop, pixel_of(tile, ray))) component[ray] = std::numeric_limits<Real>::quiet_NaN();
   }
 }
 
@@ -244,7 +228,7 @@ void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancel
     field_.advance_together(columns_.view(start, t_max, rays_), parameters, batch_.start, stats_.cones);
     start.values = batch_.start.data();
   }
-  drop_rays_outside(tile);
+  keep_rays_of_crop(tile);
   field_.march(columns_.view(start, t_max, rays_), parameters, batch_, planes_.steps ? steps_.data() : nullptr,
                stats_.primary);
 }

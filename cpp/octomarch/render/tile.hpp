@@ -18,12 +18,13 @@ struct TileGrid {
   TileGrid(const Picture& picture);
 
   std::size_t count() const { return std::size_t{across} * down; }
-  std::size_t rays() const { return std::size_t{edge} * edge; }
+  static constexpr std::size_t rays() { return std::size_t{kEdge} * kEdge; }
   kernels::TileView tile(std::size_t index) const;
+
+  static constexpr std::uint32_t kEdge = 64;  ///< of a tile, pixels; large ones keep blocks full for longer
 
   Crop crop;
   std::uint32_t width, height;  ///< of the whole picture
-  std::uint32_t edge;           ///< of a tile, pixels
   std::uint32_t left, top;      ///< column and row of the first tile in the whole picture
   std::uint32_t across, down;
 };
@@ -44,7 +45,7 @@ class TileRenderer {
   void pass(const kernels::TileView& tile, const PixelPoint& point, const Planes<Real>& planes, const bool& cancelled);
   void cast(const kernels::TileView& tile, const PixelPoint& point);
   void march(const kernels::TileView& tile, const bool& cancelled);
-  void drop_rays_outside(const kernels::TileView& tile);
+  void keep_rays_of_crop(const kernels::TileView& tile);
   void clear(const kernels::TileView& tile);
   void write_rays(const kernels::TileView& tile);
   void write_surfaces(const kernels::TileView& tile);
