@@ -241,6 +241,8 @@ class Program(metaclass=_Bound):
     @property
     def focus(self) -> tuple[_Vec3, _Vec3] | None: ...
     @property
+    def anchor(self) -> _Vec3: ...
+    @property
     def is_solid(self) -> bool: ...
     @property
     def instructions(self) -> int: ...
@@ -288,20 +290,19 @@ def render(
     isa: str,
     progress: Callable[[int, int], None] | None,
 ) -> tuple[_Planes, dict[str, float | int | str]]: ...
-def reference_distance(node: Node, points: NDArray[np.float64], dtype: str) -> _Floats: ...
-def reference_gradient(node: Node, points: NDArray[np.float64], dtype: str) -> _Floats: ...
+def reference_distance(program: Program, points: NDArray[np.float64], dtype: str) -> _Floats: ...
+def reference_gradient(program: Program, points: NDArray[np.float64], dtype: str) -> _Floats: ...
 def reference_raycast(
-    node: Node,
+    program: Program,
     origins: NDArray[np.float64],
     directions: NDArray[np.float64],
     march: March,
     shading: Shading,
     t_max: float,
-    lipschitz: float,
     dtype: str,
 ) -> _Planes: ...
 def reference_render(
-    node: Node,
+    program: Program,
     scene: Scene,
     camera: Camera,
     march: March,
@@ -311,6 +312,5 @@ def reference_render(
     crop: Sequence[int],
     samples: int,
     planes: Sequence[str],
-    lipschitz: float,
     dtype: str,
 ) -> _Planes: ...

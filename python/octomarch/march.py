@@ -53,7 +53,9 @@ class March:
     Let r be the field divided by its Lipschitz bound. A ray has hit when r is at most the *hit epsilon*
     ``max(epsilon, 16 u max(|origin|, t), pixel_tolerance * pixel_radius(t))``, where u is the unit roundoff of the
     precision and the pixel radius is half the height of a pixel at t (0 for queries). With fixed steps it has hit when
-    r is at most 0: when a sample lies in the solid.
+    r is at most 0: when a sample lies in the solid. Of scenes far from the origin, and of rays from far away, only what
+    is left near the scene counts as ``|origin|`` and t, since coordinates count from `Program.anchor` and rays are
+    moved along in double first.
 
     Parameters
     ----------

@@ -62,6 +62,11 @@ class Program:
         return self._native.focus
 
     @property
+    def anchor(self) -> Vec3:
+        """Where the program's coordinates count from: the origin, or the middle of a focus that is far from it."""
+        return self._native.anchor
+
+    @property
     def size(self) -> float:
         """Diagonal of the focus in scene units; 1 when there is none or it is a single point."""
         if self.focus is None:

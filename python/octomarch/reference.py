@@ -2,7 +2,8 @@
 
 It walks the nodes of a shape one point at a time, in plain C++ with GLM, and shares no code with the compiled programs
 and packets of rays behind `Shape.distance` and `octomarch.render`: where the two agree, both are very likely right.
-From the program it takes the Lipschitz bound and the scene's size only. It runs on one thread; Ctrl-C stops it.
+From the program it takes the Lipschitz bound, and where and how large the scene is. It runs on one thread; Ctrl-C stops
+it.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from octomarch.camera import AnyCamera, or_framing
 from octomarch.image import Image
 from octomarch.march import March
 from octomarch.planes import PLANES
-from octomarch.program import compile
+from octomarch.program import Program, compile
 from octomarch.queries import Floats, Hits, _rays
 from octomarch.render import _or_default, lit_by_default
 from octomarch.scene import Scene
@@ -149,16 +150,15 @@ def raycast(
     >>> hits.t.tolist(), hits.status.tolist()
     ([1.0, inf], [0, 1])
     """
-    node = _node(shape)
+    program = _compiled(shape)
     starts, aims, leading = _rays(origins, directions)
     limit = check.number("t_max", t_max)
     if not limit > 0:
         raise ValueError(f"t_max must be > 0, got {check.shown(t_max)}")
     precision = _dtype(dtype)
-    program = compile(shape)
     native = _or_default(March, "march", march).resolve(program, origins, pixels=False)._native()
     normals = Shading().resolve(program)._native()
-    found = _core.reference_raycast(node, starts, aims, native, normals, limit, program.lipschitz, precision)
+    found = _core.reference_raycast(program._native, starts, aims, native, normals, limit, precision)
     return Hits({name: values.reshape(leading + values.shape[1:]) for name, values in found.items()})
 
 
@@ -232,7 +232,7 @@ def render(
     if isinstance(scene, Shape):
         scene = lit_by_default(scene, camera)
     arrays = _core.reference_render(
-        scene.shape._node,
+        program._native,
         scene._native(),
         camera._native(),
         march.resolve(program, camera._ray_origins((width, height)))._native(),
@@ -242,7 +242,6 @@ def render(
         window,
         rays,
         names,
-        program.lipschitz,
         precision,
     )
     settings = {
@@ -258,14 +257,14 @@ def render(
 
 def _evaluate(function: Any, shape: Shape, points: ArrayLike, dtype: Precision) -> Floats:
     where: NDArray[np.float64] = check.points("points", points)
-    values: Floats = function(_node(shape), where.reshape(-1, 3), _dtype(dtype))
+    values: Floats = function(_compiled(shape)._native, where.reshape(-1, 3), _dtype(dtype))
     return values.reshape(where.shape[:-1] + values.shape[1:])
 
 
-def _node(shape: Shape) -> _core.Node:
+def _compiled(shape: Shape) -> Program:
     if not isinstance(shape, Shape):
         raise TypeError(f"shape must be an om.Shape, got {check.shown(shape)}")
-    return shape._node
+    return compile(shape)
 
 
 def _dtype(dtype: Precision) -> Precision:

@@ -73,6 +73,9 @@ struct Aabb {
 /// True when `box` contains no point at all, on some axis lo > hi.
 constexpr bool is_empty(const Aabb& box) { return box.lo.x > box.hi.x || box.lo.y > box.hi.y || box.lo.z > box.hi.z; }
 
+/// A box as it is seen from another origin.
+constexpr Aabb counted_from(const Vec3& origin, const Aabb& box) { return {box.lo - origin, box.hi - origin}; }
+
 inline bool is_bounded(const Aabb& box) { return is_finite(box.lo) && is_finite(box.hi); }
 
 }  // namespace octomarch

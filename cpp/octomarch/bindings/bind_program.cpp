@@ -132,6 +132,7 @@ void register_program(py::module_& module) {
       .def_property_readonly("lipschitz", &Program::lipschitz)
       .def_property_readonly("bounds", [](const Program& program) { return box_of(program.bounds()); })
       .def_property_readonly("focus", &focus_of)
+      .def_property_readonly("anchor", [](const Program& program) { return triple(program.site().anchor); })
       .def_property_readonly("is_solid", &Program::is_solid)
       .def_property_readonly("instructions", [](const Program& program) { return program.distance().code.size(); })
       .def_property_readonly("registers", [](const Program& program) { return program.distance().registers; })

@@ -12,6 +12,7 @@
 #include "octomarch/base/error.hpp"
 #include "octomarch/bindings/arrays.hpp"
 #include "octomarch/bindings/register.hpp"
+#include "octomarch/program/program.hpp"
 #include "octomarch/reference/queries.hpp"
 #include "octomarch/reference/render.hpp"
 
@@ -20,42 +21,39 @@ namespace py = pybind11;
 namespace octomarch {
 namespace {
 
-void require_lipschitz(double lipschitz) {
-  require(std::isfinite(lipschitz) && lipschitz > 0.0, "lipschitz", "finite and > 0", lipschitz);
-}
+reference::Compiled compiled(const Program& program) { return {program.lipschitz(), program.site()}; }
 
-py::array distance(const NodePtr& node, const Rows& points, const std::string& dtype) {
+py::array distance(const Program& program, const Rows& points, const std::string& dtype) {
   const std::span<const double> in = triples(points, "points");
   return with_precision("dtype", dtype, [&]<class T>(T) -> py::array {
     py::array_t<T> values(points.shape(0));
     const std::span<T> out = contents(values);
     {
       const py::gil_scoped_release release;
-      reference::distance(node, in, out, check_signals);
+      reference::distance(program.root(), program.site().anchor, in, out, check_signals);
     }
     return values;
   });
 }
 
-py::array gradient(const NodePtr& node, const Rows& points, const std::string& dtype) {
+py::array gradient(const Program& program, const Rows& points, const std::string& dtype) {
   const std::span<const double> in = triples(points, "points");
   return with_precision("dtype", dtype, [&]<class T>(T) -> py::array {
     py::array_t<T> gradients({points.shape(0), py::ssize_t{3}});
     const std::span<T> out = contents(gradients);
     {
       const py::gil_scoped_release release;
-      reference::gradient(node, in, out, check_signals);
+      reference::gradient(program.root(), program.site().anchor, in, out, check_signals);
     }
     return gradients;
   });
 }
 
-py::dict raycast(const NodePtr& node, const Rows& origins, const Rows& directions, const March& march,
-                 const Shading& shading, double t_max, double lipschitz, const std::string& dtype) {
+py::dict raycast(const Program& program, const Rows& origins, const Rows& directions, const March& march,
+                 const Shading& shading, double t_max, const std::string& dtype) {
   const std::span<const double> from = triples(origins, "origins");
   const std::span<const double> along = triples(directions, "directions");
   require(from.size() == along.size(), "directions", "as many as origins", directions.shape(0));
-  require_lipschitz(lipschitz);
   return with_precision("dtype", dtype, [&]<class T>(T) {
     Results results({origins.shape(0)});
     const reference::Hits<T> hits{.t = results.scalars<T>("t"),
@@ -66,7 +64,7 @@ py::dict raycast(const NodePtr& node, const Rows& origins, const Rows& direction
                                   .status = results.scalars<std::uint8_t>("status")};
     {
       const py::gil_scoped_release release;
-      reference::raycast(node, from, along, march, shading, t_max, lipschitz, hits, check_signals);
+      reference::raycast(program.root(), from, along, march, shading, t_max, compiled(program), hits, check_signals);
     }
     return results.take();
   });
@@ -89,21 +87,20 @@ reference::Planes<T> planes_named(const std::vector<std::string>& names, Results
   return planes;
 }
 
-py::dict render(const NodePtr& node, const Scene& scene, const Camera& camera, const March& march,
+py::dict render(const Program& program, const Scene& scene, const Camera& camera, const March& march,
                 const Shading& shading, std::uint32_t width, std::uint32_t height, const CropBox& crop, int samples,
-                const std::vector<std::string>& planes, double lipschitz, const std::string& dtype) {
+                const std::vector<std::string>& planes, const std::string& dtype) {
   require(width >= 1, "width", ">= 1", width);
   require(height >= 1, "height", ">= 1", height);
   require(samples >= 1, "samples", ">= 1", samples);
-  require_lipschitz(lipschitz);
   const Crop window = crop_of(crop, width, height);
   return with_precision("dtype", dtype, [&]<class T>(T) {
     Results results({static_cast<py::ssize_t>(window.height), static_cast<py::ssize_t>(window.width)});
     const reference::Planes<T> wanted = planes_named<T>(planes, results);
     {
       const py::gil_scoped_release release;
-      reference::render(node, scene, camera, march, shading, {width, height, window, samples}, lipschitz, wanted,
-                        check_signals);
+      reference::render(program.root(), scene, camera, march, shading, {width, height, window, samples},
+                        compiled(program), wanted, check_signals);
     }
     return results.take();
   });
@@ -112,13 +109,13 @@ py::dict render(const NodePtr& node, const Scene& scene, const Camera& camera, c
 }  // namespace
 
 void register_reference(py::module_& module) {
-  module.def("reference_distance", &distance, py::arg("node").none(false), py::arg("points"), py::arg("dtype"));
-  module.def("reference_gradient", &gradient, py::arg("node").none(false), py::arg("points"), py::arg("dtype"));
-  module.def("reference_raycast", &raycast, py::arg("node").none(false), py::arg("origins"), py::arg("directions"),
-             py::arg("march"), py::arg("shading"), py::arg("t_max"), py::arg("lipschitz"), py::arg("dtype"));
-  module.def("reference_render", &render, py::arg("node").none(false), py::arg("scene"), py::arg("camera"),
-             py::arg("march"), py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"),
-             py::arg("samples"), py::arg("planes"), py::arg("lipschitz"), py::arg("dtype"));
+  module.def("reference_distance", &distance, py::arg("program"), py::arg("points"), py::arg("dtype"));
+  module.def("reference_gradient", &gradient, py::arg("program"), py::arg("points"), py::arg("dtype"));
+  module.def("reference_raycast", &raycast, py::arg("program"), py::arg("origins"), py::arg("directions"),
+             py::arg("march"), py::arg("shading"), py::arg("t_max"), py::arg("dtype"));
+  module.def("reference_render", &render, py::arg("program"), py::arg("scene"), py::arg("camera"), py::arg("march"),
+             py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"), py::arg("samples"),
+             py::arg("planes"), py::arg("dtype"));
 }
 
 }  // namespace octomarch

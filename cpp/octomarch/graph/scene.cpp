@@ -35,4 +35,17 @@ std::vector<PixelPoint> sample_points(int count) {
   return points;
 }
 
+Scene counted_from(const Vec3& origin, Scene scene) {
+  for (Light& light : scene.lights) {
+    if (light.kind != LightKind::kDirectional) light.vector = light.vector - origin;
+  }
+  return scene;
+}
+
+Camera counted_from(const Vec3& origin, Camera camera) {
+  camera.eye = camera.eye - origin;
+  camera.target = camera.target - origin;
+  return camera;
+}
+
 }  // namespace octomarch

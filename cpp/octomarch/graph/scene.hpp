@@ -148,4 +148,8 @@ struct Scene {
   Vec3 ambient{0.1, 0.1, 0.1};
 };
 
+/// The same as seen from another origin.
+Scene counted_from(const Vec3& origin, Scene scene);
+Camera counted_from(const Vec3& origin, Camera camera);
+
 }  // namespace octomarch

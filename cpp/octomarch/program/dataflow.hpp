@@ -41,6 +41,10 @@ class DataFlow {
   ValueId constant(double value) { return emit(Opcode::kConstant, {}, {{value}}); }
   /// The number of a value that is constant.
   std::optional<double> constant_of(ValueId value) const;
+  /// Notes that coordinates are moved back by as much, to an operator's own origin.
+  void note_move(const Vec3& offset);
+  /// The largest component of all those moves.
+  double farthest_move() const { return farthest_move_; }
   /// The number by which texel instructions name an image.
   double image_number(const NodePtr& image);
 
@@ -72,6 +76,7 @@ class DataFlow {
   std::vector<double> constants_;
   std::vector<NodePtr> images_;
   std::vector<std::uint32_t> owner_;
+  double farthest_move_ = 0.0;
   HashTable<std::uint32_t> by_content_;  ///< indices of operations, plus 1
 };
 

@@ -56,6 +56,7 @@ std::string listing(const Program& program) {
     text += "repeats look at the neighbouring cell along " + std::to_string(neighbours) +
             (neighbours == 1 ? " coordinate" : " coordinates") + ": their content is not symmetric in its cell\n";
   }
+  if (!(program.site().anchor == Vec3{})) text += "x y z count from " + point(program.site().anchor) + "\n";
   text += "bounds " + point(program.bounds().lo) + " .. " + point(program.bounds().hi) + "\n";
   text += "lipschitz " + number(program.lipschitz()) + "\n";
   return text;

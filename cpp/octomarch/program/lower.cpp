@@ -63,8 +63,9 @@ class Lowering {
   Lowering(const FactTable& facts, LoweringOf what)
       : facts_(facts), what_(what), flow_(what == LoweringOf::kSurface ? kSurfaceInputs : kPointInputs) {}
 
-  Lowered run(const Node& root) {
+  Lowered run(const Node& root, const Vec3& anchor) {
     Placement world;
+    world.offset = Vec3{} - anchor;  // no −0
     if (what_ == LoweringOf::kSurface) world.normal = {3, 4, 5};
     placements_.push_back(world);
     enter(root, 0, true);
@@ -372,6 +373,8 @@ class Lowering {
 
 }  // namespace
 
-Lowered lower(const Node& root, const FactTable& facts, LoweringOf what) { return Lowering(facts, what).run(root); }
+Lowered lower(const Node& root, const FactTable& facts, LoweringOf what, const Vec3& anchor) {
+  return Lowering(facts, what).run(root, anchor);
+}
 
 }  // namespace octomarch

@@ -19,7 +19,8 @@ struct Lowered {
 
 enum class LoweringOf : std::uint8_t { kDistance, kAttributes, kSurface };
 
-/// O(n) expected in the distinct (node, placement) pairs, constant stack. `facts`: of every node below `root`.
-Lowered lower(const Node& root, const FactTable& facts, LoweringOf what);
+/// O(n) expected in the distinct (node, placement) pairs, constant stack. `facts`: of every node below `root`. `anchor`: where
+/// the coordinates x, y, z are counted from.
+Lowered lower(const Node& root, const FactTable& facts, LoweringOf what, const Vec3& anchor);
 
 }  // namespace octomarch

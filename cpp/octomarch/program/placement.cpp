@@ -95,6 +95,7 @@ Placement aligned(const Placement& placement, DataFlow& flow) {
   if (is_signed_permutation(placement.rotation)) return placement;
   const Mat3 local_from_frame = transposed(placement.rotation);
   const Vec3 shift = local_from_frame * placement.offset;
+  flow.note_move(shift);
   const Mat3& m = local_from_frame;
   const ValueId turned =
       flow.emit(Opcode::kRotate, placement.frame,
@@ -113,6 +114,7 @@ Placement aligned(const Placement& placement, DataFlow& flow) {
 
 std::array<ValueId, 3> own_axes(const Placement& placement, DataFlow& flow) {
   const Placement place = aligned(placement, flow);
+  flow.note_move(place.offset);
   std::array<ValueId, 3> axes{};
   for (std::size_t local = 0; local < 3; ++local) {
     const std::size_t row = frame_axis(place, local);
@@ -212,6 +214,7 @@ ValueId emit_cut(const Node& node, const Placement& placement, DataFlow& flow) {
 std::vector<Placement> repeat_placements(const Placement& parent, const Node& repeat, unsigned symmetry,
                                          DataFlow& flow) {
   const Placement place = aligned(parent, flow);
+  flow.note_move(place.offset);
   const std::array<FrameRepeat, 3> axes = frame_repeats(place, repeat, symmetry);
   std::vector<Placement> placements{place};
   placements[0].frame = nearest_cell(place.frame, axes, flow);

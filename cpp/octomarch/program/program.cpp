@@ -22,22 +22,25 @@ Expressions expressions_of(const DataFlow& flow, std::span<const ValueId> values
 
 }  // namespace
 
-Program::Program(NodePtr root) : root_(std::move(root)) {
+Program::Program(NodePtr root, const std::optional<Vec3>& anchor) : root_(std::move(root)) {
   const FactTable facts = analyse(*root_);
-  const Lowered lowered = lower(*root_, facts, LoweringOf::kDistance);
-  distance_ = allocate(lowered.flow, {&lowered.distance, 1});
-  is_solid_ = root_->has_solid();
   const FieldFacts& whole = facts.at(root_.get());
   lipschitz_ = whole.lipschitz;
   bounds_ = {whole.level.lo, whole.level.hi};
   if (whole.focus) focus_ = Aabb{whole.focus->lo, whole.focus->hi};
   // what is too large for a number is as good as unbounded
   if (focus_ && (is_empty(*focus_) || !is_finite(focus_->lo) || !is_finite(focus_->hi))) focus_.reset();
+  site_ = site_of(focus_, bounds_);
+  if (anchor) site_ = counted_from(*anchor, site_);
+  const Lowered lowered = lower(*root_, facts, LoweringOf::kDistance, site_.anchor);
+  distance_ = allocate(lowered.flow, {&lowered.distance, 1});
+  is_solid_ = root_->has_solid();
+  if (!(site_.anchor == Vec3{})) site_.inner_offset = lowered.flow.farthest_move();
 }
 
 const Attributes& Program::attributes() const {
   std::call_once(attributes_once_, [this] {
-    Lowered lowered = lower(*root_, analyse(*root_), LoweringOf::kAttributes);
+    Lowered lowered = lower(*root_, analyse(*root_), LoweringOf::kAttributes, site_.anchor);
     attributes_.tape = allocate(lowered.flow, {&lowered.object, 1});
     attributes_.objects = std::move(lowered.objects);
     attributes_.materials = std::move(lowered.materials);
@@ -47,7 +50,7 @@ const Attributes& Program::attributes() const {
 
 const Expressions& Program::surface() const {
   std::call_once(surface_once_, [this] {
-    const Lowered lowered = lower(*root_, analyse(*root_), LoweringOf::kSurface);
+    const Lowered lowered = lower(*root_, analyse(*root_), LoweringOf::kSurface, site_.anchor);
     surface_ = expressions_of(lowered.flow, lowered.slots);
   });
   return surface_;

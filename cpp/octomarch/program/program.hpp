@@ -12,6 +12,7 @@
 #include "octomarch/base/types.hpp"
 #include "octomarch/graph/node.hpp"
 #include "octomarch/graph/scene.hpp"
+#include "octomarch/graph/site.hpp"
 #include "octomarch/program/instruction.hpp"
 
 namespace octomarch {
@@ -59,7 +60,10 @@ struct Expressions {
 /// Immutable and safe to share between threads; the attributes are compiled when first asked for.
 class Program {
  public:
-  explicit Program(NodePtr root);
+  /// Where `anchor` is given, tapes count their coordinates from there, else from what site_of() says.
+  explicit Program(NodePtr root, const std::optional<Vec3>& anchor = std::nullopt);
+
+  const NodePtr& root() const { return root_; }
 
   const Tape& distance() const { return distance_; }
   const Attributes& attributes() const;
@@ -70,7 +74,9 @@ class Program {
   bool is_solid() const { return is_solid_; }
   /// |f(p) − f(q)| ≤ lipschitz·‖p − q‖: marchers divide by it.
   double lipschitz() const { return lipschitz_; }
-  /// Holds every point of the solid; infinite where the solid may be.
+  /// Where the shape is. Tapes see points from its anchor.
+  const Site& site() const { return site_; }
+  /// Holds every point of the solid; infinite where the solid may be. In the world, like the focus.
   const Aabb& bounds() const { return bounds_; }
   /// The bounded part of the shape (a floor leaves it alone); nothing when no part is bounded.
   const std::optional<Aabb>& focus() const { return focus_; }
@@ -81,6 +87,7 @@ class Program {
   double lipschitz_;
   Aabb bounds_;
   std::optional<Aabb> focus_;
+  Site site_;
   bool is_solid_;
   mutable std::once_flag attributes_once_;
   mutable Attributes attributes_;

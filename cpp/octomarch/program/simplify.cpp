@@ -2,6 +2,7 @@
 // simplified program gives the same distances as the graph read literally.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 #include "octomarch/base/error.hpp"
@@ -23,6 +24,10 @@ bool same_bits(std::span<const double> a, const double* b) {
 
 bool DataFlow::is_complement(ValueId value) const {
   return value >= inputs_ && operations_[owner_[value]].op == Opcode::kComplement;
+}
+
+void DataFlow::note_move(const Vec3& offset) {
+  for (const double part : {offset.x, offset.y, offset.z}) farthest_move_ = std::max(farthest_move_, std::fabs(part));
 }
 
 std::optional<double> DataFlow::constant_of(ValueId value) const {

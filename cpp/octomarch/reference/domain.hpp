@@ -33,6 +33,20 @@ glm::mat<3, 3, T> rotation(const Node& node) {
   return parent_from_child;
 }
 
+/// Where something is evaluated: at p + shift. Translations gather in the shift, in double, until numbers are small.
+template <class T>
+struct Spot {
+  Vector<T> p;
+  Vec3 shift;
+
+  Vector<T> point() const { return from({}); }
+  /// The same as seen from `origin`.
+  Vector<T> from(const Vec3& origin) const {
+    const Vec3 whole = shift - origin;
+    return whole == Vec3{} ? p : p + vector<T>(whole);
+  }
+};
+
 /// Copies of a kRepeat's child that are looked at: the nearest cell and its neighbours on the side of p, per axis.
 inline std::size_t copies(const Node& repeat) {
   std::size_t count = 1;
@@ -77,14 +91,10 @@ Vector<T> passed_on(const Node& elongate, const Vector<T>& p) {
   return result;
 }
 
-/// Where visit number `visit` of `node` evaluates its child.
+/// Where visit number `visit` of a node that bends space evaluates its child.
 template <class T>
 Vector<T> child_point(const Node& node, const Vector<T>& p, std::size_t visit) {
   switch (node.kind()) {
-    case NodeKind::kTranslate: return p - vector_parameter<T>(node, 0);
-    case NodeKind::kRotate: return glm::transpose(rotation<T>(node)) * p;
-    case NodeKind::kScale: return p / T(node.parameter(0));
-    case NodeKind::kStretch: return p / vector_parameter<T>(node, 0);
     case NodeKind::kRepeat: return p - copy_centre(node, p, visit);
     case NodeKind::kElongate: {
       const Vector<T> half = vector_parameter<T>(node, 0);
@@ -101,6 +111,32 @@ Vector<T> child_point(const Node& node, const Vector<T>& p, std::size_t visit) {
     case NodeKind::kExtrude: return {p.x, p.y, T(0)};
     case NodeKind::kRevolve: return {glm::length(Vector2<T>(p.x, p.z)) - T(node.parameter(0)), p.y, T(0)};
     default: return p;
+  }
+}
+
+/// Where visit number `visit` of `node` evaluates its child.
+template <class T>
+Spot<T> child_spot(const Node& node, const Spot<T>& at, std::size_t visit) {
+  const auto parameter = [&node](std::size_t i) { return node.parameter(i); };
+  const Vec3& s = at.shift;
+  switch (node.kind()) {
+    case NodeKind::kTranslate: return {at.p, s - Vec3{parameter(0), parameter(1), parameter(2)}};
+    case NodeKind::kRotate: {
+      const auto column = [&](std::size_t i) { return Vec3{parameter(i), parameter(3 + i), parameter(6 + i)}; };
+      return {glm::transpose(rotation<T>(node)) * at.p, {dot(column(0), s), dot(column(1), s), dot(column(2), s)}};
+    }
+    case NodeKind::kScale:
+      return {at.p / T(parameter(0)), {s.x / parameter(0), s.y / parameter(0), s.z / parameter(0)}};
+    case NodeKind::kStretch:
+      return {at.p / vector_parameter<T>(node, 0), {s.x / parameter(0), s.y / parameter(1), s.z / parameter(2)}};
+    case NodeKind::kRepeat:
+    case NodeKind::kElongate:
+    case NodeKind::kMirror:
+    case NodeKind::kTwist:
+    case NodeKind::kBend:
+    case NodeKind::kExtrude:
+    case NodeKind::kRevolve: return {child_point(node, at.point(), visit), {}};
+    default: return at;
   }
 }
 

@@ -44,9 +44,10 @@ std::size_t visit_count(const Node& node) {
 }  // namespace
 
 template <class T>
-Evaluator<T>::Evaluator(NodePtr root, Poll poll)
+Evaluator<T>::Evaluator(NodePtr root, Poll poll, const Vec3& anchor)
     : root_(std::move(root)),
       poll_(std::move(poll)),
+      anchor_(anchor),
       is_solid_(root_->has_solid()),
       table_(collect_materials(*root_)),
       shared_(shared_nodes(*root_)) {}
@@ -66,7 +67,7 @@ int Evaluator<T>::material(const Vector<T>& p) {
 
 template <class T>
 Slots<T> Evaluator<T>::slots(const Vector<T>& p, const Vector<T>& normal) {
-  Frame whole{root_.get(), p, normal};
+  Frame whole{root_.get(), {p, anchor_}, normal};
   whole.sample = walk(p, Ask::kSlots, normal);
   paint(whole, default_material().slots);
   return whole.sample.painted;
@@ -82,15 +83,17 @@ std::size_t Evaluator<T>::PlaceHash::operator()(const Place& place) const {
 template <class T>
 typename Evaluator<T>::Place Evaluator<T>::place_of(const Frame& frame) {
   const auto bits = [](T x) { return std::bit_cast<std::uint64_t>(static_cast<double>(x)); };
-  return {frame.node,
-          {bits(frame.p.x), bits(frame.p.y), bits(frame.p.z), bits(frame.normal.x), bits(frame.normal.y),
-           bits(frame.normal.z)}};
+  const auto& [p, shift] = frame.at;
+  return {
+      frame.node,
+      {bits(p.x), bits(p.y), bits(p.z), std::bit_cast<std::uint64_t>(shift.x), std::bit_cast<std::uint64_t>(shift.y),
+       std::bit_cast<std::uint64_t>(shift.z), bits(frame.normal.x), bits(frame.normal.y), bits(frame.normal.z)}};
 }
 
 template <class T>
 Sample<T> Evaluator<T>::walk(const Vector<T>& p, Ask ask, const Vector<T>& normal) {
   known_.clear();
-  stack_.assign(1, Frame{root_.get(), p, normal});
+  stack_.assign(1, Frame{root_.get(), {p, anchor_}, normal});
   while (true) {
     count_work(1);
     if (descend(ask)) continue;
@@ -108,8 +111,8 @@ bool Evaluator<T>::descend(Ask ask) {
   if (parent.visits == visit_count(*parent.node)) return false;
   const std::span<const NodePtr> children = parent.node->children();
   const NodePtr& child = parent.node->kind() == NodeKind::kRepeat ? children[0] : children[parent.visits];
-  Frame frame{child.get(), child_point(*parent.node, parent.p, parent.visits)};
-  if (ask == Ask::kSlots) frame.normal = child_normal(*parent.node, parent.p, parent.normal);
+  Frame frame{child.get(), child_spot(*parent.node, parent.at, parent.visits)};
+  if (ask == Ask::kSlots) frame.normal = child_normal(*parent.node, parent.at.point(), parent.normal);
   ++parent.visits;
   if (shared_.contains(frame.node)) {
     if (const auto known = known_.find(place_of(frame)); known != known_.end()) {
@@ -124,7 +127,8 @@ bool Evaluator<T>::descend(Ask ask) {
 /// Folds what the latest visit returned into `parent`, in the frame of parent's point.
 template <class T>
 void Evaluator<T>::absorb(Frame& parent, const Sample<T>& child) const {
-  const Sample<T> here = operand_shapes(*parent.node).size() == 1 ? from_child(*parent.node, parent.p, child) : child;
+  const Sample<T> here =
+      operand_shapes(*parent.node).size() == 1 ? from_child(*parent.node, parent.at.point(), child) : child;
   parent.sample = parent.visits == 1 ? here : folded(*parent.node, parent.sample, here);
 }
 
@@ -134,7 +138,7 @@ Sample<T> Evaluator<T>::finish(Frame& frame, Ask ask) {
   const Node& node = *frame.node;
   if (frame.visits == 0) frame.sample = primitive(frame, ask);
   if (node.kind() == NodeKind::kDisplace) {
-    const Jet<T> displacement = ready(node.child(1)).at(frame.p);
+    const Jet<T> displacement = ready(node.child(1)).at(frame.at.point());
     frame.sample.value += displacement.value;
     frame.sample.gradient += displacement.gradient;
   }
@@ -149,10 +153,11 @@ Sample<T> Evaluator<T>::finish(Frame& frame, Ask ask) {
 template <class T>
 Sample<T> Evaluator<T>::primitive(const Frame& frame, Ask ask) {
   const Node& node = *frame.node;
-  if (node.kind() == NodeKind::kField) return field_sample(node, ready(node.child(0)), frame.p);
-  if (node.kind() == NodeKind::kSolid) return solid_sample(ready(node.child(0)), frame.p);
-  const Vector<T> gradient = ask == Ask::kGradient ? primitive_gradient(node, frame.p) : Vector<T>(0);
-  return {primitive_distance(node, frame.p), gradient};
+  const Vector<T> p = frame.at.from(origin_of(node));
+  if (node.kind() == NodeKind::kField) return field_sample(node, ready(node.child(0)), p);
+  if (node.kind() == NodeKind::kSolid) return solid_sample(ready(node.child(0)), p);
+  const Vector<T> gradient = ask == Ask::kGradient ? primitive_gradient(node, p) : Vector<T>(0);
+  return {primitive_distance(node, p), gradient};
 }
 
 /// Gives what is unpainted in the frame's sample the slots at its point.
@@ -161,7 +166,7 @@ void Evaluator<T>::paint(Frame& frame, std::span<const NodePtr> slots) {
   Sample<T>& sample = frame.sample;
   if (sample.unpainted == T(0)) return;
   for (std::size_t i = 0; i < slots.size(); ++i) {
-    const T value = ready(*slots[i]).at(frame.p, frame.normal).value;
+    const T value = ready(*slots[i]).at(frame.at.point(), frame.normal).value;
     sample.painted[i] = sample.unpainted == T(1) ? value : sample.painted[i] + sample.unpainted * value;
   }
   sample.unpainted = T(0);

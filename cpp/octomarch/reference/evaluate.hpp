@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "octomarch/graph/node.hpp"
+#include "octomarch/reference/domain.hpp"
 #include "octomarch/reference/expression.hpp"
 #include "octomarch/reference/materials.hpp"
 #include "octomarch/reference/poll.hpp"
@@ -23,8 +24,8 @@ namespace octomarch::reference {
 template <class T>
 class Evaluator {
  public:
-  /// Contract: `root` is not null.
-  Evaluator(NodePtr root, Poll poll);
+  /// Contract: `root` is not null. Points count from `anchor`.
+  Evaluator(NodePtr root, Poll poll, const Vec3& anchor);
 
   /// NaN at points that have a NaN.
   T distance(const Vector<T>& p);
@@ -45,14 +46,14 @@ class Evaluator {
   /// A node on the way down: where it is evaluated, how many visits it has made, and their fold so far.
   struct Frame {
     const Node* node;
-    Vector<T> p;
+    Spot<T> at;
     Vector<T> normal = Vector<T>(0);  // for kSlots
     std::size_t visits = 0;
     Sample<T> sample = {};
   };
   struct Place {
     const Node* node;
-    std::array<std::uint64_t, 6> bits;
+    std::array<std::uint64_t, 9> bits;
     friend bool operator==(const Place&, const Place&) = default;
   };
   struct PlaceHash {
@@ -71,6 +72,7 @@ class Evaluator {
 
   NodePtr root_;
   Poll poll_;
+  Vec3 anchor_;
   bool is_solid_;
   MaterialTable table_;
   std::unordered_set<const Node*> shared_;  // what has several parents and is worth remembering

@@ -12,6 +12,11 @@ namespace {
 template <class T>
 constexpr T kNowhere = std::numeric_limits<T>::infinity();
 
+/// The field before the first sample, and the way from there, of a ray that hits at once: its secant leads to the end of the
+/// empty sphere.
+template <class T>
+constexpr T kNothingBefore = T(1e30);
+
 template <class T>
 T largest_magnitude(const Vector<T>& v) {
   return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
@@ -111,8 +116,8 @@ T by_bisection(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& lim
 
 template <class T>
 T MarchLimits<T>::hit_epsilon(const Ray<T>& ray, T t) const {
-  const T rounding = T(16) * kUnitRoundoff<T> * std::max(largest_magnitude(ray.origin), t);
-  return std::max({epsilon, rounding, pixel_tolerance * (ray.pixel_radius + ray.pixel_slope * t)});
+  const T rounding = T(16) * kUnitRoundoff<T> * std::max({largest_magnitude(ray.origin), t, inner_offset});
+  return std::max({epsilon, rounding, pixel_tolerance * std::max(ray.pixel_radius, ray.pixel_slope * t)});
 }
 
 template <class T>
@@ -140,14 +145,15 @@ Arrival<T> march_straight(Evaluator<T>& field, const Ray<T>& ray, const MarchLim
     const T radius = radius_at(field, ray, limits, t);
     if (std::isnan(radius)) return {Status::kInvalid, kNowhere<T>, steps};
     if (limits.arrived(ray, t, radius)) {
-      if (steps == 1) return {Status::kInside, t, steps};
+      if (steps == 1 && limits.may_be_inside) return {Status::kInside, t, steps};
       if (!limits.finish) return {Status::kHit, t, steps};
       if (limits.method == Method::kFixed) {
         return {Status::kHit, by_bisection(field, ray, limits, before.t, t), steps};
       }
-      return {Status::kHit,
-              by_secant(field, ray, limits, before.radius, {t, radius}, limits.advance(ray, before.t, before.radius)),
-              steps};
+      const bool is_first = steps == 1;
+      const T previous = is_first ? kNothingBefore<T> : before.radius;
+      const T apart = is_first ? kNothingBefore<T> : limits.advance(ray, before.t, before.radius);
+      return {Status::kHit, by_secant(field, ray, limits, previous, {t, radius}, apart), steps};
     }
     before = {t, radius};
     t += limits.advance(ray, t, radius);
@@ -188,9 +194,12 @@ Arrival<T> march_relaxed(Evaluator<T>& field, const Ray<T>& ray, const MarchLimi
     }
     if (std::isnan(radius)) return {Status::kInvalid, kNowhere<T>, steps};
     if (limits.arrived(ray, t, radius)) {
-      if (steps == 1) return {Status::kInside, t, steps};
+      if (steps == 1 && limits.may_be_inside) return {Status::kInside, t, steps};
       if (!limits.finish) return {Status::kHit, radius < T(0) ? std::min(t, stood.t + stood.radius) : t, steps};
-      return {Status::kHit, by_secant(field, ray, limits, stood.radius, {t, radius}, stride), steps};
+      const bool is_first = steps == 1;
+      const T previous = is_first ? kNothingBefore<T> : stood.radius;
+      const T apart = is_first ? kNothingBefore<T> : stride;
+      return {Status::kHit, by_secant(field, ray, limits, previous, {t, radius}, apart), steps};
     }
     const bool is_first = steps == 1 && limits.method != Method::kRelaxed;
     const T beyond = is_first ? T(0) : boldness.beyond(radius, stood, stride);

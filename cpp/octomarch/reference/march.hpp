@@ -5,25 +5,29 @@
 #include <limits>
 
 #include "octomarch/graph/scene.hpp"
+#include "octomarch/graph/site.hpp"
 #include "octomarch/reference/evaluate.hpp"
 
 namespace octomarch::reference {
 
-/// A ray whose direction has unit length, and how wide its pixel is: half its height at parameter t is
-/// pixel_radius + pixel_slope·t, both 0 where there is no pixel.
+/// A ray whose direction has unit length, and how wide its pixel is: half its height at parameter t is the larger of
+/// pixel_radius and pixel_slope·t, both 0 where there is no pixel. Its origin lies `lead` along the ray from where the user
+/// has it, and t counts from there.
 template <class T>
 struct Ray {
   Vector<T> origin;
   Vector<T> direction;
   T pixel_radius = T(0);
   T pixel_slope = T(0);
+  double lead = 0.0;
 };
 
 /// Half an ulp of 1: u in the hit epsilon of March.
 template <class T>
 constexpr T kUnitRoundoff = std::numeric_limits<T>::epsilon() / T(2);
 
-/// The settings of a march in the precision it runs in. `t_max` counts along unit directions.
+/// The settings of a march in the precision it runs in, for rays that are not moved along. `t_max` counts along unit
+/// directions.
 template <class T>
 struct MarchLimits {
   Method method;
@@ -36,8 +40,10 @@ struct MarchLimits {
   T step;
   T lipschitz;
   bool finish;
+  T inner_offset;
+  bool may_be_inside = true;  ///< where the first sample has arrived
 
-  MarchLimits(const March& march, double lipschitz_bound)
+  MarchLimits(const March& march, double lipschitz_bound, const Site& site)
       : method(march.method),
         max_steps(march.max_steps),
         epsilon(T(march.least_epsilon())),
@@ -47,7 +53,16 @@ struct MarchLimits {
         bias(T(march.bias)),
         step(T(march.step)),
         lipschitz(T(lipschitz_bound)),
-        finish(march.finish) {}
+        finish(march.finish),
+        inner_offset(T(site.inner_offset)) {}
+
+  /// Where rays are moved along by `lead`, they begin outside, and have less of `max_distance` before them.
+  void move(const March& march, const Site& site, double lead, double max_distance) {
+    t_max = T(max_distance - lead);
+    if (lead == 0.0) return;
+    t_min = T(march.min_distance + site.radius);
+    may_be_inside = false;
+  }
 
   /// The hit epsilon at parameter t of a ray; see March.
   T hit_epsilon(const Ray<T>& ray, T t) const;

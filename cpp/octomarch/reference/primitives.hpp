@@ -75,14 +75,22 @@ Vector<T> cylinder_sides(const Node& node, const AxialPoint<T>& at) {
           std::abs(at.axial) - T(node.parameter(1))};
 }
 
-/// From the nearest point of the segment a–b to p.
+/// The point of a primitive's own coordinates from which its formulas count: a capsule's first end, a plane's nearest point.
+inline Vec3 origin_of(const Node& node) {
+  const Vec3 first = node.kind() == NodeKind::kCapsule || node.kind() == NodeKind::kPlane
+                         ? Vec3{node.parameter(0), node.parameter(1), node.parameter(2)}
+                         : Vec3{};
+  return node.kind() == NodeKind::kPlane ? first * -node.parameter(3) : first;
+}
+
+/// From the nearest point of the segment a–b to a + p.
 template <class T>
 Vector<T> from_segment(const Node& node, const Vector<T>& p) {
-  const Vector<T> a = vector_parameter<T>(node, 0);
-  const Vector<T> ab = vector_parameter<T>(node, 3) - a;
+  const auto length = [&node](std::size_t axis) { return T(node.parameter(3 + axis) - node.parameter(axis)); };
+  const Vector<T> ab(length(0), length(1), length(2));
   const T squared = glm::dot(ab, ab);
-  const T fraction = squared > 0 ? glm::clamp(glm::dot(p - a, ab) / squared, T(0), T(1)) : T(0);
-  return p - (a + ab * fraction);
+  const T fraction = squared > 0 ? glm::clamp(glm::dot(p, ab) / squared, T(0), T(1)) : T(0);
+  return p - ab * fraction;
 }
 
 /// A kCappedCone, about y.
@@ -94,7 +102,7 @@ Jet<T> capped_cone(const Node& node, const Vector<T>& p) {
   return {profile.value, at.outward * profile.gradient.x + at.along * profile.gradient.y};
 }
 
-/// Signed distance from p to a primitive, scene units. Contract: `node` is a primitive.
+/// Signed distance to a primitive from p, which counts from origin_of(node), scene units. Contract: `node` is a primitive.
 template <class T>
 T primitive_distance(const Node& node, const Vector<T>& p) {
   switch (node.kind()) {
@@ -107,7 +115,7 @@ T primitive_distance(const Node& node, const Vector<T>& p) {
     case NodeKind::kCappedCone: return capped_cone(node, p).value;
     case NodeKind::kOctahedron: return octahedron(p, T(node.parameter(0))).value;
     case NodeKind::kPyramid: return pyramid(p, T(node.parameter(0)), T(node.parameter(1))).value;
-    case NodeKind::kPlane: return glm::dot(vector_parameter<T>(node, 0), p) + T(node.parameter(3));
+    case NodeKind::kPlane: return glm::dot(vector_parameter<T>(node, 0), p);
     case NodeKind::kCylinder: return AxialPoint<T>(p, node.parameter(1)).radial - T(node.parameter(0));
     case NodeKind::kCappedCylinder: return box_distance(cylinder_sides(node, AxialPoint<T>(p, node.parameter(2))));
     case NodeKind::kTorus: {

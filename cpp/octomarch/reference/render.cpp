@@ -11,9 +11,10 @@ namespace octomarch::reference {
 namespace {
 
 /// Makes the ray through a point of each pixel; see Camera for the formulas.
+/// Rays are moved along as far as the site says.
 class Lens {
  public:
-  Lens(const Camera& camera, double width, double height)
+  Lens(const Camera& camera, double width, double height, const Site& site, double min_distance)
       : camera_(camera),
         width_(width),
         height_(height),
@@ -21,7 +22,11 @@ class Lens {
         right_(normalized(cross(forward_, camera.up))),
         up_(cross(right_, forward_)),
         half_height_(camera.kind == CameraKind::kPerspective ? std::tan(camera.fov * std::numbers::pi / 360.0)
-                                                             : 0.5 * camera.height) {}
+                                                             : 0.5 * camera.height),
+        lead_(camera.kind == CameraKind::kOrthographic ? parallel_lead_of(site, camera.eye, forward_, min_distance)
+                                                       : lead_of(site, camera.eye, min_distance)) {}
+
+  double lead() const { return lead_; }
 
   /// `x` and `y` count pixels from the upper left corner of the picture.
   template <class T>
@@ -30,11 +35,9 @@ class Lens {
     const double s = (2.0 * x / width_ - 1.0) * width_ / height_;
     const double r = 1.0 - 2.0 * y / height_;
     const Vec3 offset = (right_ * s + up_ * r) * half_height_;
-    const T pixel = T(half_height_ / height_);
-    if (camera_.kind == CameraKind::kOrthographic) {
-      return {vector<T>(camera_.eye + offset), vector<T>(forward_), pixel, T(0)};
-    }
-    return {vector<T>(camera_.eye), vector<T>(normalized(forward_ + offset)), T(0), pixel};
+    const double pixel = half_height_ / height_;
+    if (camera_.kind == CameraKind::kOrthographic) return moved<T>(camera_.eye + offset, forward_, pixel, 0.0);
+    return moved<T>(camera_.eye, normalized(forward_ + offset), 0.0, pixel);
   }
 
  private:
@@ -45,7 +48,13 @@ class Lens {
     const double latitude = (0.5 - y / height_) * camera_.fov * kDegree;
     const Vec3 level = forward_ * std::cos(longitude) + right_ * std::sin(longitude);
     const Vec3 direction = level * std::cos(latitude) + up_ * std::sin(latitude);
-    return {vector<T>(camera_.eye), vector<T>(direction), T(0), T(0.5 * camera_.fov * kDegree / height_)};
+    return moved<T>(camera_.eye, direction, 0.0, 0.5 * camera_.fov * kDegree / height_);
+  }
+
+  template <class T>
+  Ray<T> moved(const Vec3& origin, const Vec3& direction, double pixel_radius, double pixel_slope) const {
+    const Vec3 start = lead_ > 0.0 ? origin + direction * lead_ : origin;
+    return {vector<T>(start), vector<T>(direction), T(pixel_radius + pixel_slope * lead_), T(pixel_slope), lead_};
   }
 
   const Camera& camera_;
@@ -55,6 +64,7 @@ class Lens {
   Vec3 right_;
   Vec3 up_;
   double half_height_;  // of the picture, at unit distance for perspective
+  double lead_;
 };
 
 /// Draws single pixels of one picture. Keeps references to its arguments.
@@ -62,10 +72,11 @@ template <class T>
 class Pixels {
  public:
   Pixels(Evaluator<T>& field, const Scene& scene, const Lens& lens, const MarchLimits<T>& limits,
-         const Shading& shading, int samples)
+         const MarchLimits<T>& moved_limits, const Shading& shading, int samples, const Vec3& anchor)
       : field_(field),
         lens_(lens),
-        limits_(limits),
+        limits_(moved_limits),
+        anchor_(anchor),
         shader_(field, scene, shading, limits),
         normals_(shading),
         samples_(sample_points(samples)) {}
@@ -87,8 +98,8 @@ class Pixels {
     const Arrival<T> arrival = march_ray(field_, ray, limits_);
     const bool needs_surface = !(planes.position.empty() && planes.normal.empty() && planes.material_id.empty());
     const Surface<T> surface = needs_surface ? surface_at(field_, ray, arrival, normals_) : Surface<T>{};
-    store(planes.depth, i, arrival.t);
-    store(planes.position, i, surface.position);
+    store(planes.depth, i, from_far(lens_.lead(), arrival.t));
+    store(planes.position, i, has_surface(arrival.status) ? from_far(anchor_, surface.position) : surface.position);
     store(planes.normal, i, surface.normal);
     store(planes.material_id, i, static_cast<std::int32_t>(surface.material));
     store(planes.steps, i, static_cast<std::int32_t>(arrival.steps));
@@ -98,7 +109,8 @@ class Pixels {
  private:
   Evaluator<T>& field_;
   const Lens& lens_;
-  const MarchLimits<T>& limits_;
+  const MarchLimits<T>& limits_;  // of rays that the lens has moved
+  const Vec3 anchor_;
   Shader<T> shader_;
   const NormalRule<T> normals_;
   const std::vector<PixelPoint> samples_;
@@ -114,12 +126,19 @@ bool wants_centre(const Planes<T>& planes) {
 }  // namespace
 
 template <class T>
-void render(const NodePtr& root, const Scene& scene, const Camera& camera, const March& march, const Shading& shading,
-            const Extent& extent, double lipschitz, const Planes<T>& planes, const Poll& poll) {
-  Evaluator<T> field(root, poll);
-  const Lens lens(camera, extent.width, extent.height);
-  const MarchLimits<T> limits(march, lipschitz);
-  Pixels<T> pixels(field, scene, lens, limits, shading, extent.samples);
+void render(const NodePtr& root, const Scene& whole_scene, const Camera& whole_camera, const March& march,
+            const Shading& shading, const Extent& extent, const Compiled& compiled, const Planes<T>& planes,
+            const Poll& poll) {
+  const Vec3 anchor = anchor_seen_from(compiled.site, whole_camera.eye);
+  const Site site = counted_from(anchor, compiled.site);
+  const Scene scene = counted_from(anchor, whole_scene);
+  const Camera camera = counted_from(anchor, whole_camera);
+  Evaluator<T> field(root, poll, anchor);
+  const Lens lens(camera, extent.width, extent.height, site, march.min_distance);
+  const MarchLimits<T> limits(march, compiled.lipschitz, site);
+  MarchLimits<T> moved_limits = limits;
+  moved_limits.move(march, site, lens.lead(), march.max_distance);
+  Pixels<T> pixels(field, scene, lens, limits, moved_limits, shading, extent.samples, anchor);
   const Crop& crop = extent.crop;
   std::size_t i = 0;
   for (std::uint32_t row = crop.y; row < crop.y + crop.height; ++row) {
@@ -130,9 +149,9 @@ void render(const NodePtr& root, const Scene& scene, const Camera& camera, const
   }
 }
 
-template void render(const NodePtr&, const Scene&, const Camera&, const March&, const Shading&, const Extent&, double,
-                     const Planes<float>&, const Poll&);
-template void render(const NodePtr&, const Scene&, const Camera&, const March&, const Shading&, const Extent&, double,
-                     const Planes<double>&, const Poll&);
+template void render(const NodePtr&, const Scene&, const Camera&, const March&, const Shading&, const Extent&,
+                     const Compiled&, const Planes<float>&, const Poll&);
+template void render(const NodePtr&, const Scene&, const Camera&, const March&, const Shading&, const Extent&,
+                     const Compiled&, const Planes<double>&, const Poll&);
 
 }  // namespace octomarch::reference

@@ -7,6 +7,7 @@
 
 #include "octomarch/graph/node.hpp"
 #include "octomarch/graph/scene.hpp"
+#include "octomarch/reference/compiled.hpp"
 #include "octomarch/reference/poll.hpp"
 
 namespace octomarch::reference {
@@ -35,6 +36,6 @@ struct Extent {
 /// Renders `root` under `scene` in T = float or double.
 template <class T>
 void render(const NodePtr& root, const Scene& scene, const Camera& camera, const March& march, const Shading& shading,
-            const Extent& extent, double lipschitz, const Planes<T>& planes, const Poll& poll);
+            const Extent& extent, const Compiled& compiled, const Planes<T>& planes, const Poll& poll);
 
 }  // namespace octomarch::reference

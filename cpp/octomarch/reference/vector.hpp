@@ -37,6 +37,17 @@ bool is_finite(const Vector<T>& v) {
   return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
 }
 
+/// What is known relative to `origin` in the world's numbers. Zeros keep their sign where they are the world's.
+template <class T>
+T from_far(double origin, T value) {
+  return origin == 0.0 ? value : T(origin + static_cast<double>(value));
+}
+
+template <class T>
+Vector<T> from_far(const Vec3& origin, const Vector<T>& v) {
+  return {from_far(origin.x, v.x), from_far(origin.y, v.y), from_far(origin.z, v.z)};
+}
+
 /// Element i of an array, or none in an empty one: a result that nobody asked for.
 template <class Value>
 void store(std::span<Value> values, std::size_t i, Value value) {

@@ -3,6 +3,8 @@
 #include <numbers>
 #include <vector>
 
+#include "octomarch/render/tile_pixels.hpp"
+
 namespace octomarch {
 
 namespace {
@@ -50,6 +52,11 @@ CameraFrame frame(const Camera& camera, std::uint32_t width, std::uint32_t heigh
   return result;
 }
 
+double lead_of(const CameraFrame& frame, const Site& site, double min_distance) {
+  if (frame.one_origin()) return lead_of(site, frame.fixed, min_distance);
+  return parallel_lead_of(site, frame.corner, frame.fixed, min_distance);
+}
+
 template <class Real>
 void panoramic_rays(const CameraFrame& frame, const kernels::TileView& tile, const PixelPoint& point,
                     VectorBuffer<Real>& directions) {
@@ -70,10 +77,9 @@ void panoramic_rays(const CameraFrame& frame, const kernels::TileView& tile, con
     rise[j] = frame.down * -std::sin(latitude);
   }
   for (std::size_t ray = 0; ray < tile.rays(); ++ray) {
-    const std::size_t block = ray / kernels::kLanes;
-    const std::size_t lane = ray % kernels::kLanes;
-    const std::size_t i = block % tile.blocks_across * kernels::kBlockEdge + kernels::lane_column(lane);
-    const std::size_t j = block / tile.blocks_across * kernels::kBlockEdge + kernels::lane_row(lane);
+    const Pixel pixel = pixel_of(tile, ray);
+    const std::size_t i = pixel.x - tile.x;
+    const std::size_t j = pixel.y - tile.y;
     const Vec3 direction = level[i] * cosine[j] + rise[j];
     directions.x[ray] = static_cast<Real>(direction.x);
     directions.y[ray] = static_cast<Real>(direction.y);
@@ -81,6 +87,36 @@ void panoramic_rays(const CameraFrame& frame, const kernels::TileView& tile, con
   }
 }
 
+template <class Real>
+void leading_rays(const CameraFrame& frame, const kernels::TileView& tile, const PixelPoint& point, double lead,
+                  VectorBuffer<Real>& origins, VectorBuffer<Real>& directions) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const bool is_panoramic = frame.kind == CameraKind::kPanoramic;
+  VectorBuffer<double> around(is_panoramic ? tile.rays() : 0);
+  if (is_panoramic) panoramic_rays(frame, tile, point, around);
+  const auto set = [](VectorBuffer<Real>& rows, std::size_t ray, const Vec3& v) {
+    rows.x[ray] = static_cast<Real>(v.x);
+    rows.y[ray] = static_cast<Real>(v.y);
+    rows.z[ray] = static_cast<Real>(v.z);
+  };
+  for (std::size_t ray = 0; ray < tile.rays(); ++ray) {
+    const Pixel pixel = pixel_of(tile, ray);
+    const double x = pixel.x < tile.width && pixel.y < tile.height ? pixel.x + point.x : kNone;
+    const Vec3 sum = frame.corner + frame.right * x + frame.down * (pixel.y + point.y);
+    if (!frame.one_origin()) {
+      set(origins, ray, sum + frame.fixed * lead);
+      continue;
+    }
+    const Vec3 direction = is_panoramic ? Vec3{around.x[ray], around.y[ray], around.z[ray]} : normalized(sum);
+    set(origins, ray, frame.fixed + direction * lead);
+    set(directions, ray, direction);
+  }
+}
+
+template void leading_rays(const CameraFrame&, const kernels::TileView&, const PixelPoint&, double,
+                           VectorBuffer<float>&, VectorBuffer<float>&);
+template void leading_rays(const CameraFrame&, const kernels::TileView&, const PixelPoint&, double,
+                           VectorBuffer<double>&, VectorBuffer<double>&);
 template void panoramic_rays(const CameraFrame&, const kernels::TileView&, const PixelPoint&, VectorBuffer<float>&);
 template void panoramic_rays(const CameraFrame&, const kernels::TileView&, const PixelPoint&, VectorBuffer<double>&);
 

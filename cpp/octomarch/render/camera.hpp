@@ -3,6 +3,7 @@
 #pragma once
 
 #include "octomarch/graph/scene.hpp"
+#include "octomarch/graph/site.hpp"
 #include "octomarch/kernels/api.hpp"
 #include "octomarch/render/buffer.hpp"
 
@@ -36,6 +37,15 @@ CameraFrame frame(const Camera& camera, std::uint32_t width, std::uint32_t heigh
 template <class Real>
 void panoramic_rays(const CameraFrame& frame, const kernels::TileView& tile, const PixelPoint& point,
                     VectorBuffer<Real>& directions);
+
+/// How far all rays of a camera are moved along at once; see lead_of() in graph/site.hpp.
+double lead_of(const CameraFrame& frame, const Site& site, double min_distance);
+
+/// A tile's rays that begin `lead` from where the camera has them, found in double; NaN outside of the picture. Directions
+/// are not written where all rays have one.
+template <class Real>
+void leading_rays(const CameraFrame& frame, const kernels::TileView& tile, const PixelPoint& point, double lead,
+                  VectorBuffer<Real>& origins, VectorBuffer<Real>& directions);
 
 template <class Real>
 kernels::CameraView<Real> view(const CameraFrame& frame, const PixelPoint& point) {

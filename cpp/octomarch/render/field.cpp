@@ -20,9 +20,9 @@ template <class Real>
 std::unique_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach) {
   const std::optional<Aabb>& focus = program.focus();
   if (!march.prune || is_fixed(march.method) || program.is_solid() || !focus) return nullptr;
-  if (!is_worth_an_octree(program.distance(), *focus)) return nullptr;
-  return std::make_unique<Octree<Real>>(program.distance(), *focus,
-                                        reach + length(from - (focus->lo + focus->hi) * 0.5));
+  const Aabb box = counted_from(program.site().anchor, *focus);
+  if (!is_worth_an_octree(program.distance(), box)) return nullptr;
+  return std::make_unique<Octree<Real>>(program.distance(), box, reach + length(from - (box.lo + box.hi) * 0.5));
 }
 
 template <class Real>
@@ -131,7 +131,9 @@ void Field<Real>::advance_together(const kernels::RayView<Real>& rays, const ker
                                       cones_.epsilon.data(),
                                       cones_.t_max.data(),
                                       cones_.t.data()};
-  kernels_.fit_cones(rays, parameters, cones);
+  kernels::MarchParameters<Real> from_start = parameters;
+  from_start.t_min = rays.start.value;
+  kernels_.fit_cones(rays, from_start, cones);
   std::uint64_t live = ~std::uint64_t{0} >> (kernels::kLanes - count);
   for (int step = 0; live != 0 && step < parameters.max_steps && !is_set(*parameters.cancelled); ++step) {
     kernels_.cone_points(cones, points_.view());

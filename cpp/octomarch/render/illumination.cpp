@@ -124,7 +124,7 @@ void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& l
     shadow_distance_[k] = distance_[i];
   }
   // no pixel footprint: in a corner the other wall is often nearer than that, and would cast a shadow
-  set_epsilons(picture_.march, shadow_.origin, lit_.size(), shadow_epsilon_);
+  set_epsilons(picture_.march, picture_.program->site(), 0.0, shadow_.origin, lit_.size(), shadow_epsilon_);
 
   RayColumns<Real> columns = own_columns(shadow_.origin, shadow_.direction, shadow_epsilon_);
   kernels::Column<Real> t_max{shadow_distance_.data(), 0};

@@ -52,21 +52,28 @@ std::unique_ptr<Octree<Real>> octree_for_points(const Program& program, const do
                                                 const March& march = {}, double reach = 0.0) {
   constexpr std::size_t kMany = 4096;
   if (count < kMany || program.distance().code.size() > 64 * count) return nullptr;
+  const Vec3& anchor = program.site().anchor;
+  const double origin[3] = {anchor.x, anchor.y, anchor.z};
   double farthest = 0.0;
   for (std::size_t i = 0; i < 3 * count; ++i) {
-    if (std::isfinite(points[i])) farthest = std::max(farthest, std::fabs(points[i]));
+    if (std::isfinite(points[i])) farthest = std::max(farthest, std::fabs(points[i] - origin[i % 3]));
   }
   return octree_for<Real>(program, march, {}, 2.0 * farthest + reach);
 }
 
-/// Points of one chunk as rows of Real.
+Vec3 triple(const double* values, std::size_t i) { return {values[3 * i], values[3 * i + 1], values[3 * i + 2]}; }
+
 template <class Real>
-void split(const double* points, std::size_t count, VectorBuffer<Real>& rows) {
-  for (std::size_t i = 0; i < count; ++i) {
-    rows.x[i] = static_cast<Real>(points[3 * i]);
-    rows.y[i] = static_cast<Real>(points[3 * i + 1]);
-    rows.z[i] = static_cast<Real>(points[3 * i + 2]);
-  }
+void set(VectorBuffer<Real>& rows, std::size_t i, const Vec3& v) {
+  rows.x[i] = static_cast<Real>(v.x);
+  rows.y[i] = static_cast<Real>(v.y);
+  rows.z[i] = static_cast<Real>(v.z);
+}
+
+/// Points of one chunk as rows of Real, counted from the anchor.
+template <class Real>
+void split(const double* points, std::size_t count, const Vec3& anchor, VectorBuffer<Real>& rows) {
+  for (std::size_t i = 0; i < count; ++i) set(rows, i, triple(points, i) - anchor);
 }
 
 /// Scratch of one worker, made when it takes its first task.
@@ -92,38 +99,40 @@ struct RayScratch {
   RayScratch(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels, std::size_t size)
       : batch(size),
         length(size),
+        lead(size),
         t_max(size),
         epsilon(size),
         field(program, octree, kernels, size),
         surface(field, kernels, size) {}
 
   RayBatch<Real> batch;
-  std::vector<double> length;
+  std::vector<double> length, lead;  ///< of the directions; by which rays are moved along at once
   Buffer<Real> t_max;
   Buffer<Real> epsilon;
   Field<Real> field;
   SurfacePass<Real> surface;
 };
 
-/// Fills origins, unit directions, t_max and epsilon of one chunk; directions that have no length become NaN, which the
+/// Fills origins, unit directions, starts, t_max and epsilon of one chunk; directions that have no length become NaN, which the
 /// march reports as invalid.
 template <class Real>
-void set_rays(RayScratch<Real>& s, const double* origins, const double* directions, std::size_t count,
+void set_rays(RayScratch<Real>& s, const Site& site, const double* origins, const double* directions, std::size_t count,
               const March& march, double t_max) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-  split(origins, count, s.batch.origin);
   for (std::size_t i = 0; i < count; ++i) {
-    const Vec3 d{directions[3 * i], directions[3 * i + 1], directions[3 * i + 2]};
-    const Vec3 o{origins[3 * i], origins[3 * i + 1], origins[3 * i + 2]};
+    const Vec3 d = triple(directions, i);
+    Vec3 o = triple(origins, i) - site.anchor;
     const bool usable = is_finite(d) && !(d == Vec3{});
     const Vec3 unit = usable ? normalized(d) : Vec3{kNan, kNan, kNan};
     // a length beyond the numbers would make a miss NaN
     s.length[i] = usable ? std::min(length(d), std::numeric_limits<double>::max()) : 1.0;
-    s.batch.direction.x[i] = static_cast<Real>(unit.x);
-    s.batch.direction.y[i] = static_cast<Real>(unit.y);
-    s.batch.direction.z[i] = static_cast<Real>(unit.z);
-    s.t_max[i] = clamped<Real>(std::min(march.max_distance, t_max * s.length[i]));
-    const double farthest = std::max({std::fabs(o.x), std::fabs(o.y), std::fabs(o.z)});
+    s.lead[i] = lead_of(site, o, march.min_distance);
+    if (s.lead[i] > 0.0) o = o + unit * s.lead[i];
+    s.batch.start[i] = clamped<Real>(s.lead[i] > 0.0 ? march.min_distance + site.radius : march.min_distance);
+    set(s.batch.origin, i, o);
+    set(s.batch.direction, i, unit);
+    s.t_max[i] = clamped<Real>(std::min(march.max_distance, t_max * s.length[i]) - s.lead[i]);
+    const double farthest = std::max({std::fabs(o.x), std::fabs(o.y), std::fabs(o.z), site.inner_offset});
     s.epsilon[i] = clamped<Real>(std::max(march.least_epsilon(), static_cast<double>(kUlpFloor<Real>) * farthest));
   }
 }
@@ -143,14 +152,14 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
   if (out.object_id || out.material_id) surface.find_objects(cancelled);
   for (std::size_t i = 0; i < surface.count(); ++i) {
     const std::size_t ray = first + surface.ray(i);
-    const auto write = [&](Real* plane, const VectorBuffer<Real>& rows) {
+    const auto write = [&](Real* plane, const VectorBuffer<Real>& rows, const Vec3& origin) {
       if (plane == nullptr) return;
-      plane[3 * ray] = rows.x[i];
-      plane[3 * ray + 1] = rows.y[i];
-      plane[3 * ray + 2] = rows.z[i];
+      plane[3 * ray] = from_far(origin.x, rows.x[i]);
+      plane[3 * ray + 1] = from_far(origin.y, rows.y[i]);
+      plane[3 * ray + 2] = from_far(origin.z, rows.z[i]);
     };
-    write(out.position, surface.position);
-    write(out.normal, surface.normal);
+    write(out.position, surface.position, program.site().anchor);
+    write(out.normal, surface.normal, {});
     if (out.object_id) out.object_id[ray] = surface.object(i);
     if (out.material_id) {
       out.material_id[ray] = program.attributes().objects[static_cast<std::size_t>(surface.object(i))].material;
@@ -168,7 +177,7 @@ void query_distance(const Program& program, const double* points, std::size_t co
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
         auto& s =
             scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), scratch_size(program, count));
-        split(points + 3 * first, n, s.points);
+        split(points + 3 * first, n, program.site().anchor, s.points);
         s.field.distance(s.points.read(), n, cancelled, s.out.x.data());
         std::copy_n(s.out.x.data(), n, out + first);
       });
@@ -182,7 +191,7 @@ void query_gradient(const Program& program, const double* points, std::size_t co
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
         auto& s =
             scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), scratch_size(program, count));
-        split(points + 3 * first, n, s.points);
+        split(points + 3 * first, n, program.site().anchor, s.points);
         s.field.gradient(s.points.read(), n, cancelled, s.out.view());
         for (std::size_t i = 0; i < n; ++i) {
           const bool is_nan = std::isnan(s.points.x[i]) || std::isnan(s.points.y[i]) || std::isnan(s.points.z[i]);
@@ -200,26 +209,25 @@ void query_rays(const Program& program, const double* origins, const double* dir
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
   const auto octree = octree_for_points<Real>(program, origins, count, march, march.max_distance);
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, static_cast<std::size_t>(march.max_steps), how,
-                 [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-                   auto& s = scratch_of(scratch, worker, program, octree.get(), kernels, scratch_size(program, count));
-                   set_rays(s, origins + 3 * first, directions + 3 * first, n, march, t_max);
-                   const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
-                   const kernels::RayView<Real> rays =
-                       columns.view({nullptr, clamped<Real>(march.min_distance)}, {s.t_max.data(), 0}, n);
-                   const kernels::MarchParameters<Real> parameters =
-                       march_parameters(program, march, columns.epsilon_slope, cancelled);
-                   kernels::Counters counters;
-                   s.surface.field().march(rays, parameters, s.batch, out.steps ? out.steps + first : nullptr,
-                                           counters);
-                   for (std::size_t i = 0; i < n; ++i) {
-                     out.t[first + i] = static_cast<Real>(static_cast<double>(s.batch.t[i]) / s.length[i]);
-                   }
-                   if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
-                   if (out.position || out.normal || out.object_id || out.material_id) {
-                     write_surfaces(s, program, first, n, columns, shading, out, cancelled);
-                   }
-                 });
+  for_each_chunk(
+      program, count, static_cast<std::size_t>(march.max_steps), how,
+      [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+        auto& s = scratch_of(scratch, worker, program, octree.get(), kernels, scratch_size(program, count));
+        set_rays(s, program.site(), origins + 3 * first, directions + 3 * first, n, march, t_max);
+        const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
+        const kernels::RayView<Real> rays = columns.view({s.batch.start.data(), 0}, {s.t_max.data(), 0}, n);
+        const kernels::MarchParameters<Real> parameters =
+            march_parameters(program, march, columns.epsilon_slope, cancelled);
+        kernels::Counters counters;
+        s.surface.field().march(rays, parameters, s.batch, out.steps ? out.steps + first : nullptr, counters);
+        for (std::size_t i = 0; i < n; ++i) {
+          out.t[first + i] = static_cast<Real>((s.lead[i] + static_cast<double>(s.batch.t[i])) / s.length[i]);
+        }
+        if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
+        if (out.position || out.normal || out.object_id || out.material_id) {
+          write_surfaces(s, program, first, n, columns, shading, out, cancelled);
+        }
+      });
 }
 
 template void query_distance(const Program&, const double*, std::size_t, float*, const Execution&);

@@ -122,7 +122,7 @@ void Radiance<Real>::cast_mirror_rays(SurfacePass<Real>& surface) {
     mirror.root[k] = static_cast<std::uint32_t>(root(ray));
     mirror.share[k] = mirrored;
   }
-  set_epsilons(picture_.march, mirror.batch.origin, mirrors_.size(), mirror.epsilon);
+  set_epsilons(picture_.march, picture_.program->site(), 0.0, mirror.batch.origin, mirrors_.size(), mirror.epsilon);
   first_wave_ = false;
 }
 

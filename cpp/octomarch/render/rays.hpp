@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "octomarch/graph/scene.hpp"
+#include "octomarch/graph/site.hpp"
 #include "octomarch/kernels/dispatch.hpp"
 #include "octomarch/program/program.hpp"
 #include "octomarch/render/buffer.hpp"
@@ -70,14 +71,22 @@ RayColumns<Real> own_columns(const VectorBuffer<Real>& origin, const VectorBuffe
           column(direction.y), column(direction.z), column(epsilon),  kUlpFloor<Real>};
 }
 
-/// Absolute parts of the hit epsilons of rays that have no pixel.
+/// Absolute parts of the hit epsilons of rays. `pixel`: the part that their pixels have; `site`: of the program.
 template <class Real>
-void set_epsilons(const March& march, const VectorBuffer<Real>& origin, std::size_t count, Buffer<Real>& epsilon) {
-  const Real least = clamped<Real>(march.least_epsilon());
+void set_epsilons(const March& march, const Site& site, double pixel, const VectorBuffer<Real>& origin,
+                  std::size_t count, Buffer<Real>& epsilon) {
+  const double rounding = static_cast<double>(kUlpFloor<Real>) * site.inner_offset;
+  const Real least = clamped<Real>(std::max({march.least_epsilon(), rounding, pixel}));
   for (std::size_t i = 0; i < count; ++i) {
     const Real farthest = std::max({std::fabs(origin.x[i]), std::fabs(origin.y[i]), std::fabs(origin.z[i])});
     epsilon[i] = std::max(least, kUlpFloor<Real> * farthest);
   }
+}
+
+/// What is known relative to `origin` in the world's numbers. Zeros keep their sign where they are the world's.
+template <class Real>
+Real from_far(double origin, Real value) {
+  return origin == 0.0 ? value : static_cast<Real>(origin + static_cast<double>(value));
 }
 
 /// With a bias steps are not relaxed: what goes beyond the field is the opposite.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "octomarch/render/tile.hpp"
@@ -28,11 +29,32 @@ void add_all(RenderStats& sum, const RenderStats& part) {
   sum.seconds_reflect += part.seconds_reflect;
 }
 
+/// A picture with everything in it counted from its program's anchor.
+struct Anchored {
+  explicit Anchored(const Picture& whole)
+      : anchor(anchor_seen_from(whole.program->site(), whole.camera.eye)),
+        scene(counted_from(anchor, *whole.scene)),
+        picture(whole) {
+    if (!(anchor == whole.program->site().anchor)) picture.program = &program.emplace(whole.program->root(), anchor);
+    picture.scene = &scene;
+    picture.camera = counted_from(anchor, whole.camera);
+  }
+  Anchored(const Anchored&) = delete;
+  Anchored& operator=(const Anchored&) = delete;
+
+  Vec3 anchor;
+  std::optional<Program> program;  ///< where the picture's own has another anchor
+  Scene scene;
+  Picture picture;
+};
+
 }  // namespace
 
 template <class Real>
-RenderStats render(const Picture& picture, const Planes<Real>& planes, const kernels::Isa& isa, unsigned threads,
+RenderStats render(const Picture& whole, const Planes<Real>& planes, const kernels::Isa& isa, unsigned threads,
                    const Listener& listener) {
+  const Anchored anchored(whole);
+  const Picture& picture = anchored.picture;
   const TileGrid grid(picture);
   const Expressions sky = planes.color ? compile_expressions(picture.scene->sky.color) : Expressions{};
   // mirror and shadow rays go as far from what camera rays have met

@@ -1,6 +1,9 @@
 #include "octomarch/render/tile.hpp"
 
+#include <array>
 #include <chrono>
+
+#include "octomarch/render/tile_pixels.hpp"
 
 namespace octomarch {
 
@@ -8,68 +11,6 @@ namespace {
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-/// A pixel of the whole picture.
-struct Pixel {
-  std::uint32_t x, y;
-};
-
-Pixel pixel_of(const kernels::TileView& tile, std::size_t ray) {
-  const std::size_t block = ray / kernels::kLanes;
-  const std::size_t lane = ray % kernels::kLanes;
-  const std::size_t x = tile.x + block % tile.blocks_across * kernels::kBlockEdge + kernels::lane_column(lane);
-  const std::size_t y = tile.y + block / tile.blocks_across * kernels::kBlockEdge + kernels::lane_row(lane);
-  return {static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y)};
-}
-
-bool contains(const Crop& crop, const Pixel& pixel) {
-  return pixel.x >= crop.x && pixel.x - crop.x < crop.width && pixel.y >= crop.y && pixel.y - crop.y < crop.height;
-}
-
-/// Index of a pixel in planes that hold a crop.
-std::size_t index_in(const Crop& crop, const Pixel& pixel) {
-  return std::size_t{pixel.y - crop.y} * crop.width + (pixel.x - crop.x);
-}
-
-/// Calls f(pixel, ray, count) for each row of a packet that lies in the planes: `count` pixels side by side from index
-/// `pixel` of the planes on, and as many rays from index `ray` of the tile on.
-template <class Function>
-void for_each_run(const kernels::TileView& tile, const Crop& crop, Function&& f) {
-  for (std::size_t block = 0; block < tile.rays(); block += kernels::kLanes) {
-    const Pixel corner = pixel_of(tile, block);
-    const bool whole = contains(crop, corner) && contains(crop, pixel_of(tile, block + kernels::kLanes - 1));
-    for (std::size_t lane = 0; lane < kernels::kLanes; lane += kernels::kPacketWidth) {
-      const Pixel first{corner.x + static_cast<std::uint32_t>(kernels::lane_column(lane)),
-                        corner.y + static_cast<std::uint32_t>(kernels::lane_row(lane))};
-      if (whole) {  // the common case, in which the count is known
-        f(index_in(crop, first), block + lane, kernels::kPacketWidth);
-        continue;
-      }
-      if (first.y < crop.y || first.y - crop.y >= crop.height) continue;
-      const std::uint32_t begin = std::max(first.x, crop.x);
-      const std::uint32_t end = std::min(first.x + std::uint32_t{kernels::kPacketWidth}, crop.x + crop.width);
-      if (begin < end) f(index_in(crop, {begin, first.y}), block + lane + (begin - first.x), std::size_t{end - begin});
-    }
-  }
-}
-
-template <class T>
-void write_plane(const kernels::TileView& tile, const Crop& crop, T* plane, const T* rays) {
-  for_each_run(tile, crop, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
-    if (count == kernels::kPacketWidth) {  // the common case: a copy of known size is one move
-      std::copy_n(rays + ray, kernels::kPacketWidth, plane + pixel);
-    } else {
-      std::copy_n(rays + ray, count, plane + pixel);
-    }
-  });
-}
-
-template <class Real>
-void store(Real* plane, std::size_t pixel, Real x, Real y, Real z) {
-  plane[pixel * 3] = x;
-  plane[pixel * 3 + 1] = y;
-  plane[pixel * 3 + 2] = z;
 }
 
 }  // namespace
@@ -106,37 +47,46 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, Octree<Real>* octree, c
       kernels_(kernels),
       grid_(grid),
       frame_(frame(picture.camera, picture.width, picture.height)),
+      lead_(lead_of(frame_, picture.program->site(), picture.march.min_distance)),
       batch_(kernels::padded_lanes(grid.rays())),
+      epsilon_(lead_ > 0.0 ? batch_.t.size() : 0),
       steps_(batch_.t.size()),
       field_(*picture.program, octree, kernels, grid.rays()) {
   if (needs_surface()) surface_.emplace(field_, kernels, batch_.t.size());
   if (planes.color) radiance_.emplace(picture, sky, kernels, batch_.t.size());
   if (planes.color && samples_.size() > 1) sum_ = Buffer<double>(3 * batch_.t.size());
+  set_columns();
+}
 
-  const auto column = [](const Real* values, double value) {
-    return kernels::Column<Real>{values, static_cast<Real>(value)};
+/// Columns of rays that share an origin or a direction, or, where they are moved along, have both to themselves.
+template <class Real>
+void TileRenderer<Real>::set_columns() {
+  const bool is_moved = lead_ > 0.0;
+  const auto columns = [](const VectorBuffer<Real>& rows, const Vec3& all, bool is_one) {
+    const auto column = [is_one](const Buffer<Real>& values, double value) {
+      return is_one ? kernels::Column<Real>{nullptr, static_cast<Real>(value)}
+                    : kernels::Column<Real>{values.data(), 0};
+    };
+    return std::array{column(rows.x, all.x), column(rows.y, all.y), column(rows.z, all.z)};
   };
   const Vec3& fixed = frame_.fixed;
   const bool one_origin = frame_.one_origin();
-  columns_.ox = one_origin ? column(nullptr, fixed.x) : column(batch_.origin.x.data(), 0);
-  columns_.oy = one_origin ? column(nullptr, fixed.y) : column(batch_.origin.y.data(), 0);
-  columns_.oz = one_origin ? column(nullptr, fixed.z) : column(batch_.origin.z.data(), 0);
-  columns_.dx = one_origin ? column(batch_.direction.x.data(), 0) : column(nullptr, fixed.x);
-  columns_.dy = one_origin ? column(batch_.direction.y.data(), 0) : column(nullptr, fixed.y);
-  columns_.dz = one_origin ? column(batch_.direction.z.data(), 0) : column(nullptr, fixed.z);
+  const auto [ox, oy, oz] = columns(batch_.origin, fixed, one_origin && !is_moved);
+  const auto [dx, dy, dz] = columns(batch_.direction, fixed, !one_origin);
 
   // hit epsilon: absolute, rounding error and pixel footprint (see March)
   const auto reach = [&](double Vec3::* axis) {
     if (one_origin) return std::fabs(fixed.*axis);
-    return std::fabs(frame_.corner.*axis) + std::fabs(frame_.right.*axis) * picture.width +
-           std::fabs(frame_.down.*axis) * picture.height;
+    return std::fabs(frame_.corner.*axis) + std::fabs(frame_.right.*axis) * picture_.width +
+           std::fabs(frame_.down.*axis) * picture_.height;
   };
-  const double farthest = std::max({reach(&Vec3::x), reach(&Vec3::y), reach(&Vec3::z)});
+  const double farthest =
+      std::max({reach(&Vec3::x), reach(&Vec3::y), reach(&Vec3::z), picture_.program->site().inner_offset});
   const double floor = static_cast<double>(kUlpFloor<Real>);
-  const double tolerance = picture.march.pixel_tolerance;
-  columns_.epsilon.value =
-      clamped<Real>(std::max({picture.march.least_epsilon(), floor * farthest, tolerance * frame_.pixel_radius}));
-  columns_.epsilon_slope = clamped<Real>(std::max(floor, tolerance * frame_.pixel_slope));
+  const double tolerance = picture_.march.pixel_tolerance;
+  const double least = std::max({picture_.march.least_epsilon(), floor * farthest, tolerance * frame_.pixel_radius});
+  const kernels::Column<Real> epsilon{is_moved ? epsilon_.data() : nullptr, clamped<Real>(least)};
+  columns_ = {ox, oy, oz, dx, dy, dz, epsilon, clamped<Real>(std::max(floor, tolerance * frame_.pixel_slope))};
 }
 
 /// Is a plane wanted that says something of surface points?
@@ -198,7 +148,11 @@ void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& p
 template <class Real>
 void TileRenderer<Real>::cast(const kernels::TileView& tile, const PixelPoint& point) {
   rays_ = tile.rays();
-  if (frame_.kind == CameraKind::kPanoramic) {
+  if (lead_ > 0.0) {
+    leading_rays(frame_, tile, point, lead_, batch_.origin, batch_.direction);
+    const double pixel = picture_.march.pixel_tolerance * (frame_.pixel_radius + frame_.pixel_slope * lead_);
+    set_epsilons(picture_.march, picture_.program->site(), pixel, batch_.origin, rays_, epsilon_);
+  } else if (frame_.kind == CameraKind::kPanoramic) {
     panoramic_rays(frame_, tile, point, batch_.direction);
   } else {
     kernels_.camera_rays(view<Real>(frame_, point), tile,
@@ -220,10 +174,11 @@ void TileRenderer<Real>::keep_rays_of_crop(const kernels::TileView& tile) {
 
 template <class Real>
 void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancelled) {
-  const kernels::Column<Real> t_max{nullptr, clamped<Real>(picture_.march.max_distance)};
+  const kernels::Column<Real> t_max{nullptr, clamped<Real>(picture_.march.max_distance - lead_)};
   const kernels::MarchParameters<Real> parameters =
       march_parameters(*picture_.program, picture_.march, columns_.epsilon_slope, cancelled);
   kernels::Column<Real> start{nullptr, parameters.t_min};
+  if (lead_ > 0.0) start.value = clamped<Real>(picture_.march.min_distance + picture_.program->site().radius);
   if (picture_.march.method == Method::kAuto) {
     field_.advance_together(columns_.view(start, t_max, rays_), parameters, batch_.start, stats_.cones);
     start.values = batch_.start.data();
@@ -235,7 +190,13 @@ void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancel
 
 template <class Real>
 void TileRenderer<Real>::write_rays(const kernels::TileView& tile) {
-  if (planes_.depth) write_plane(tile, grid_.crop, planes_.depth, batch_.t.data());
+  if (planes_.depth && lead_ > 0.0) {
+    for_each_run(tile, grid_.crop, [&](std::size_t pixel, std::size_t ray, std::size_t count) {
+      for (std::size_t i = 0; i < count; ++i) planes_.depth[pixel + i] = from_far(lead_, batch_.t[ray + i]);
+    });
+  } else if (planes_.depth) {
+    write_plane(tile, grid_.crop, planes_.depth, batch_.t.data());
+  }
   if (planes_.status) write_plane(tile, grid_.crop, planes_.status, batch_.status.data());
   if (planes_.steps) write_plane(tile, grid_.crop, planes_.steps, steps_.data());
 }
@@ -256,9 +217,13 @@ template <class Real>
 void TileRenderer<Real>::write_surfaces(const kernels::TileView& tile) {
   const auto& p = planes_;
   const SurfacePass<Real>& s = *surface_;
+  const Vec3& anchor = picture_.program->site().anchor;
   for (std::size_t i = 0; i < s.count(); ++i) {
     const std::size_t pixel = index_in(grid_.crop, pixel_of(tile, s.ray(i)));
-    if (p.position) store(p.position, pixel, s.position.x[i], s.position.y[i], s.position.z[i]);
+    if (p.position) {
+      store(p.position, pixel, from_far(anchor.x, s.position.x[i]), from_far(anchor.y, s.position.y[i]),
+            from_far(anchor.z, s.position.z[i]));
+    }
     if (p.normal) store(p.normal, pixel, s.normal.x[i], s.normal.y[i], s.normal.z[i]);
     if (p.object_id) p.object_id[pixel] = s.object(i);
     if (p.material_id) {

@@ -42,6 +42,7 @@ class TileRenderer {
   const RenderStats& stats() const { return stats_; }
 
  private:
+  void set_columns();
   void pass(const kernels::TileView& tile, const PixelPoint& point, const Planes<Real>& planes, const bool& cancelled);
   void cast(const kernels::TileView& tile, const PixelPoint& point);
   void march(const kernels::TileView& tile, const bool& cancelled);
@@ -61,7 +62,9 @@ class TileRenderer {
   const kernels::KernelTable<Real>& kernels_;
   const TileGrid& grid_;
   const CameraFrame frame_;
+  const double lead_;  ///< by which rays are moved along at once
   RayBatch<Real> batch_;
+  Buffer<Real> epsilon_;  ///< of rays that are moved, which have one each
   RayColumns<Real> columns_{};
   std::size_t rays_ = 0;  ///< of the current tile
   Buffer<std::int32_t> steps_;
