@@ -2,8 +2,8 @@
 
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
-Damaged results end it with file and key, and nothing is written. compare.py, run.py, quality.py and building.py come
-before it.
+Damaged results end it with file and key, and nothing is written. compare.py, run.py, quality.py, building.py and
+extremes.py come before it.
 """
 
 import argparse
@@ -14,11 +14,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import extreme_tables
 import hand_tables
 import peer_tables
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ("README.md", "docs/guide/benchmarks.md", "docs/guide/marching.md")
+PAGES = ("README.md", "docs/guide/benchmarks.md", "docs/guide/marching.md", "docs/guide/numerics.md")
 
 _BLOCK = re.compile(r"(<!-- begin: (?P<name>[a-z-]+) -->\n).*?(<!-- end: (?P=name) -->)", re.DOTALL)
 _MARKER = re.compile(r"<!-- (begin|end): ")
@@ -53,6 +54,7 @@ def blocks(results: Path) -> dict[str, str]:
         "by-hand": hand_tables.by_hand(runs),
         "building": hand_tables.building(load(results / "building.json", hand_tables.check_building)),
         "quality": hand_tables.quality(load(results / "quality.json", hand_tables.check_quality)),
+        **extreme_tables.blocks(load(results / "extremes.json", extreme_tables.check)),
         "peers-how": peer_tables.how(peers),
         "peers-summary": peer_tables.summary_table(peers),
         "peers-winners": peer_tables.winners(peers),
