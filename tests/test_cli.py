@@ -30,6 +30,22 @@ def test_demo_renders_both_scenes(tmp_path: Path, capsys: pytest.CaptureFixture[
     assert re.search(rf"48x27, {om.isas()[-1]}, 1 threads?, .* Mrays/s, [\d.]+ evaluations per primary ray", output)
 
 
+def test_render_counts_all_that_evaluates_the_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    mirror = om.box(2.0).paint(om.Material(reflectivity=0.5)) | om.plane(point=(0, -1, 0))
+    scene = om.Scene(mirror, lights=[om.DirectionalLight((-1, -2, -1))])
+    shot = om.Shot(scene, om.Camera((2, 3, 4), (0, 0, 0)), (48, 36), samples=4, shading=om.Shading(bounces=1))
+    shot.save(tmp_path / "shot.json")
+    assert main(["render", str(tmp_path / "shot.json"), "-o", str(tmp_path / "shot.png")]) == 0
+    output = capsys.readouterr().out
+    stats = shot.render().stats
+    kinds = ("primary", "cone", "shadow", "reflection", "occlusion", "gradient")
+    counts = {kind: stats[f"{kind}_evaluations"] for kind in kinds}
+    assert all(counts.values())
+    per_ray = (counts["primary"] + counts["cone"]) / stats["rays"]
+    assert f"{per_ray:.1f} evaluations per primary ray" in output
+    assert f"{sum(counts.values()) / (48 * 36):.1f} per pixel with shading" in output
+
+
 def test_info_names_versions_and_instruction_sets(capsys: pytest.CaptureFixture[str]):
     assert main(["info"]) == 0
     output = capsys.readouterr().out

@@ -136,17 +136,18 @@ def _execution(options: argparse.Namespace) -> dict[str, Any]:
 
 def _summary(image: om.Image) -> str:
     stats = image.stats
-    rays, threads = stats["rays"] + stats["shadow_rays"], stats["threads"]
-    kinds = ("primary", "shadow", "occlusion", "gradient")
-    evaluations = sum(stats[f"{kind}_evaluations"] for kind in kinds) / stats["rays"]
+    width, height = image.size
+    rays = stats["rays"] + stats["shadow_rays"] + stats["reflection_rays"]
+    marched = stats["primary_evaluations"] + stats["cone_evaluations"]
+    shading = sum(stats[f"{kind}_evaluations"] for kind in ("shadow", "reflection", "occlusion", "gradient"))
     parts = [
-        f"{image.size[0]}x{image.size[1]}",
+        f"{width}x{height}",
         stats["isa"],
-        f"{threads} thread{'s' if threads > 1 else ''}",
+        f"{stats['threads']} thread{'s' if stats['threads'] > 1 else ''}",
         f"{stats['seconds']:.3f} s",
         f"{rays / max(stats['seconds'], 1e-9) / 1e6:.1f} Mrays/s",
-        f"{stats['primary_evaluations'] / stats['rays']:.1f} evaluations per primary ray",
-        f"{evaluations:.1f} per pixel with shading",
+        f"{marched / stats['rays']:.1f} evaluations per primary ray",
+        f"{(marched + shading) / (width * height):.1f} per pixel with shading",
     ]
     return ", ".join(parts)
 
