@@ -6,13 +6,13 @@
 #   make test    lint, C++ tests, pytest         make format   rewrite the sources as lint wants them
 #   make build   install into .venv              make bench    measure speed
 #   make docs    build the site in build/docs    make gallery  the same: it renders examples/gallery
-#   make bench-peers   the same against Dr.Jit, Numba, JAX, Warp, Taichi and numpy, from PyPI into build/peers-venv
+#   make bench-peers   octomarch against Dr.Jit, Numba, JAX, Warp, Taichi and numpy, from PyPI into build/peers-venv
 #   make bench-tables  rewrite the tables and plots of README.md and docs from benchmarks/results
 #   make sanitize  both kinds of tests under the address and undefined-behaviour sanitizers
 #   make clean   remove what was built           make distclean  remove .venv too
 #
-# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS, BENCH_ARGS, DOCS_ARGS (more arguments for pytest, run.py
-# and compare.py, sphinx-build).
+# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS, BENCH_ARGS, SWEEP_ARGS, DOCS_ARGS (more arguments for
+# pytest, run.py and compare.py, sweep.py, sphinx-build).
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
@@ -76,6 +76,7 @@ format: $(STAMPS)/dev-tools
 
 bench: $(STAMPS)/installed
 	$(BIN)/python benchmarks/run.py --build-dir $(BUILD_DIR) $(BENCH_ARGS)
+	$(BIN)/python benchmarks/sweep.py $(SWEEP_ARGS)
 
 bench-peers: $(STAMPS)/installed
 	@PATH="$(SYSTEM_PATH)" tools/setup.sh "$(PYTHON)" peers

@@ -22,7 +22,6 @@ from peers.tasks import Light, Mode, Task
 from scenes import EPSILON, MAX_STEPS, SCENES, spheres
 
 HERE = Path(__file__).resolve().parent
-QUIET = 0.1  # processors that other work may keep busy
 TABLE_N = 200
 
 
@@ -112,8 +111,7 @@ def main() -> None:
     chosen = arguments()
     entries = entries_of(chosen)
     description = machine.describe(None)
-    if (busy := description["busy_processors_before"]) and busy > QUIET:
-        print(f"Other work keeps {busy} processors busy: these figures will not be worth keeping.", file=sys.stderr)
+    machine.warn_when_busy(description)
     others = machine.OtherWork()
     rows: list[dict[str, Any]] = []
     milliseconds: dict[str, Any] = {}

@@ -1,4 +1,4 @@
-"""What run.py, quality.py and building.py have measured as Markdown. tables.py puts it into the documentation."""
+"""What run.py and quality.py have measured as Markdown. tables.py puts it into the documentation."""
 
 from typing import Any
 
@@ -7,22 +7,11 @@ import numpy as np
 Result = dict[str, Any]
 
 SCENES = ("A", "B")
-ISAS = {"avx2": "AVX2", "avx512": "AVX-512"}
+ISAS = {"neon": "NEON", "sse2": "SSE2", "avx2": "AVX2", "avx512": "AVX-512"}
 ROWS = {
     "packet": "xsimd by hand, one packet at a time",
     "engine1": "**octomarch**",
     "block": "xsimd by hand, field fused, refilled blocks",
-}
-
-
-STAGES = {
-    "build": "from arrays",
-    "build_one_by_one": "one by one",
-    "compile": "compile",
-    "compile_ids": "ids",
-    "save": "save",
-    "load": "load",
-    "drop": "drop",
 }
 
 
@@ -31,8 +20,10 @@ def check_by_hand(result: Any, name: str) -> None:
     for key in ("machine", "settings", "rows", "verdicts"):
         if not isinstance(result, dict) or not result.get(key):
             raise ValueError(f"{name}: {key!r} is missing")
+    if not _isas([result]):
+        raise ValueError(f"{name}: rows: none of {', '.join(ISAS)}")
     there = {row.get("key") for row in result["rows"]}
-    wanted = {f"{isa}/{row}" for isa in ISAS for row in (*ROWS, "engine1-secant")}
+    wanted = {f"{isa}/{row}" for isa in _isas([result]) for row in (*ROWS, "engine1-secant")}
     if missing := sorted(wanted - there):
         raise ValueError(f"{name}: rows: no {', '.join(missing)}")
     for index, row in enumerate(result["rows"]):
@@ -50,14 +41,9 @@ def check_quality(result: Any, name: str) -> None:
             raise ValueError(f"{name}: rows[{index}]: {', '.join(missing)} missing")
 
 
-def check_building(result: Any, name: str) -> None:
-    """Raise ValueError, naming file and key, where `result` is not what building.py writes."""
-    for key in ("machine", "rounds", "rows"):
-        if not isinstance(result, dict) or not result.get(key):
-            raise ValueError(f"{name}: {key!r} is missing")
-    for index, row in enumerate(result["rows"]):
-        if missing := [key for key in ("shapes", "n", "megabytes", *STAGES) if key not in row]:
-            raise ValueError(f"{name}: rows[{index}]: {', '.join(missing)} missing")
+def _isas(results: list[Result]) -> list[str]:
+    """Return the instruction sets that all runs have, the best last."""
+    return [isa for isa in ISAS if all(any(row.get("isa") == isa for row in result["rows"]) for result in results)]
 
 
 def figures(results: list[Result], scene: str, key: str, name: str) -> list[float]:
@@ -72,7 +58,7 @@ def _ratio(values: list[float], spread: bool) -> str:
 
 def by_hand(results: list[Result]) -> str:
     """Return how many times as fast as scalar C++ everything is, the median over the runs."""
-    columns = [(scene, isa) for isa in ISAS for scene in SCENES]
+    columns = [(scene, isa) for isa in _isas(results) for scene in SCENES]
     lines = [
         "| × scalar C++ by hand, same flags | " + " | ".join(f"{scene}, {ISAS[isa]}" for scene, isa in columns) + " |",
         "|---|" + "---|" * len(columns),
@@ -84,14 +70,15 @@ def by_hand(results: list[Result]) -> str:
 
 
 def _in_words(results: list[Result]) -> str:
-    times = {s: float(np.median(figures(results, s, "avx512/engine1", "median"))) for s in SCENES}
-    evaluations = {s: figures(results, s, "avx512/engine1", "evaluations")[0] for s in SCENES}
+    isas = _isas(results)
+    times = {s: float(np.median(figures(results, s, f"{isas[-1]}/engine1", "median"))) for s in SCENES}
+    evaluations = {s: figures(results, s, f"{isas[-1]}/engine1", "evaluations")[0] for s in SCENES}
     threads = [verdict["two_threads"] for result in results for verdict in result["verdicts"]]
     finish = [
         float(np.median(figures(results, scene, f"{isa}/engine1-secant", "median")))
         / float(np.median(figures(results, scene, f"{isa}/engine1", "median")))
         for scene in SCENES
-        for isa in ISAS
+        for isa in isas
     ]
     rounds = {result["settings"]["rounds"] for result in results}
     model = results[0]["machine"]["processor"]["model"]
@@ -99,9 +86,9 @@ def _in_words(results: list[Result]) -> str:
     return (
         f"{model}, {results[0]['machine']['date'][:10]}: medians of {len(results)} runs of "
         f"{'–'.join(map(str, sorted(rounds)))} paired rounds, their range in brackets. A takes "
-        f"{evaluations['A']:.0f} evaluations a ray and {times['A']:.1f} ms on AVX-512, B {evaluations['B']:.0f} and "
-        f"{times['B']:.1f} ms. Two threads take {min(threads):.2f} to {max(threads):.2f} times less. "
-        f"The secant finish adds {spread} to a picture."
+        f"{evaluations['A']:.0f} evaluations a ray and {times['A']:.1f} ms on {ISAS[isas[-1]]}, "
+        f"B {evaluations['B']:.0f} and {times['B']:.1f} ms. Two threads take {min(threads):.2f} to "
+        f"{max(threads):.2f} times less. The secant finish adds {spread} to a picture."
     )
 
 
@@ -118,21 +105,3 @@ def quality(result: Result) -> str:
             f"| {row['false_misses']} | {row['false_hits']} | {row['p50']:.1e} | {row['p95']:.1e} | {row['p99']:.1e} |"
         )
     return "\n".join(lines)
-
-
-def building(result: Result) -> str:
-    """Return what scenes cost before the first ray, in milliseconds."""
-    lines = [
-        "| milliseconds | n | " + " | ".join(STAGES.values()) + " | file, MB |",
-        "|---|---|" + "---|" * (len(STAGES) + 1),
-    ]
-    for row in result["rows"]:
-        times = " | ".join(f"{row[stage]:.3g}" for stage in STAGES)
-        lines.append(f"| {row['shapes']} | {row['n']:,} | {times} | {row['megabytes']:.2g} |")
-    machine, processor = result["machine"], result["machine"]["processor"]
-    words = (
-        f"{processor['model']}, {machine['date'][:10]}, at {machine['commit']}: medians of {result['rounds']} rounds, "
-        f"processor time; other work kept {machine.get('busy_processors_during')} of {processor['processors']} "
-        "processors busy."
-    )
-    return "\n".join([*lines, "", words])

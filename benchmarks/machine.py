@@ -1,9 +1,11 @@
 """What a measurement was made on: processor, compiler, versions, commit and date."""
 
+import itertools
 import os
 import platform
 import re
 import subprocess
+import sys
 import time
 from datetime import UTC, datetime
 from pathlib import Path
@@ -12,6 +14,9 @@ from typing import Any
 import numpy as np
 
 import octomarch as om
+
+RESULTS = Path(__file__).resolve().parent / "results"
+QUIET = 0.1  # processors that other work may keep busy
 
 # The flags that decide which code can run; the others of a processor say nothing here.
 SIMD_FLAGS = re.compile(r"sse\w*|ssse3|avx\w*|fma|bmi[12]|asimd\w*|sve\w*")
@@ -100,7 +105,15 @@ def describe(module: Any) -> dict[str, Any]:
     }
 
 
-def result_file(description: dict[str, Any], prefix: str = "") -> Path:
-    """Return where a run is kept: its name tells what, when and on which processor."""
+def warn_when_busy(description: dict[str, Any]) -> None:
+    """Say so where other work keeps the machine busy before a run has begun."""
+    if (busy := description["busy_processors_before"]) and busy > QUIET:
+        print(f"Other work keeps {busy} processors busy: these figures will not be worth keeping.", file=sys.stderr)
+
+
+def result_file(description: dict[str, Any], prefix: str) -> Path:
+    """Return where a run is kept: its name tells what, when, on which processor, and which run of the day it is."""
     model = re.sub(r"[^a-z0-9]+", "-", description["processor"]["model"].lower()).strip("-")
-    return Path(__file__).resolve().parent / "results" / f"{prefix}{description['date'][:10]}-{model}.json"
+    name = f"{prefix}{description['date'][:10]}-{model}"
+    names = itertools.chain([name], (f"{name}-{number}" for number in itertools.count(2)))
+    return next(path for path in (RESULTS / f"{name}.json" for name in names) if not path.exists())

@@ -1,5 +1,9 @@
-"""Draw what compare.py has measured: time against the number of balls, and time against error. tables.py calls it."""
+"""Draw what compare.py has measured: time against the number of balls, and time against error; write plots.
 
+tables.py calls it; sweep_plots.py draws what sweep.py has measured.
+"""
+
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -76,12 +80,17 @@ def error(result: Any) -> Any:
     return figure
 
 
-def draw(result: Any, folder: Path) -> list[Path]:
-    """Write the plots into `folder` and return their files."""
+def figures(result: Any) -> dict[str, Callable[[], Any]]:
+    """Return how to draw each plot, by name."""
+    return {"size": lambda: growth(result), "error": lambda: error(result)}
+
+
+def draw(figures: dict[str, Callable[[], Any]], folder: Path) -> list[Path]:
+    """Write plots into `folder` and return their files."""
     paths = []
     with mpl.rc_context(STYLE):
-        for name, make in (("size", growth), ("error", error)):
-            figure, path = make(result), folder / f"benchmarks-{name}.svg"
+        for name, make in figures.items():
+            figure, path = make(), folder / f"benchmarks-{name}.svg"
             figure.savefig(path, metadata={"Date": None})
             plt.close(figure)
             paths.append(path)

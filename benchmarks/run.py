@@ -23,7 +23,6 @@ from timing import measure
 
 HERE = Path(__file__).resolve().parent
 MODULE = "octomarch_bench"
-QUIET = 0.1  # processors that other work may keep busy
 
 
 def arguments() -> argparse.Namespace:
@@ -33,7 +32,9 @@ def arguments() -> argparse.Namespace:
         "--isas", nargs="+", metavar="ISA", help="avx512, avx2, sse2 or neon; default: all that run here"
     )
     parser.add_argument("--repeat", type=int, default=21, metavar="N", help="rounds, ≥ 3 (default: 21)")
-    parser.add_argument("--out", type=Path, metavar="FILE", help="default: benchmarks/results/<date>-<processor>.json")
+    parser.add_argument(
+        "--out", type=Path, metavar="FILE", help="default: benchmarks/results/hand-<date>-<processor>.json"
+    )
     parser.add_argument("--build-dir", type=Path, default=HERE.parent / "build" / "bench", metavar="DIR")
     parser.add_argument("--module", type=Path, metavar="FILE", help=f"a built {MODULE}; nothing is built then")
     chosen = parser.parse_args()
@@ -76,8 +77,7 @@ def main() -> None:
     chosen = arguments()
     module = load(chosen.module or build(chosen.build_dir))
     description = machine.describe(module)
-    if (busy := description["busy_processors_before"]) and busy > QUIET:
-        print(f"Other work keeps {busy} processors busy: these figures will not be worth keeping.", file=sys.stderr)
+    machine.warn_when_busy(description)
     isas = runnable(module, chosen.isas)
     rows: list[report.Row] = []
     verdicts: list[report.Verdict] = []
@@ -107,7 +107,7 @@ def main() -> None:
     }
     print(f"{description['processor']['model']}, {description['engine_build']['compiler']}, {description['date']}")
     print(f"\n{report.table(rows)}\n\n{report.conclusion(verdicts)}")
-    out = chosen.out or machine.result_file(description)
+    out = chosen.out or machine.result_file(description, "hand-")
     out.parent.mkdir(parents=True, exist_ok=True)
     result = report.as_json(description, settings, rows, verdicts, milliseconds)
     out.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")

@@ -2,7 +2,7 @@
 
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
-Damaged results end it with file and key, and nothing is written. compare.py, run.py, quality.py, building.py and
+Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, quality.py and
 extremes.py come before it.
 """
 
@@ -17,9 +17,14 @@ from typing import Any
 import extreme_tables
 import hand_tables
 import peer_tables
+import sweep_rows
+import sweep_tables
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = ("README.md", "docs/guide/benchmarks.md", "docs/guide/marching.md", "docs/guide/numerics.md")
+
+KINDS = {"hand": hand_tables.check_by_hand, "peers": peer_tables.check, "sweep": sweep_rows.check}
+"""What the files in benchmarks/results begin with, and what they have to be."""
 
 _BLOCK = re.compile(r"(<!-- begin: (?P<name>[a-z-]+) -->\n).*?(<!-- end: (?P=name) -->)", re.DOTALL)
 _MARKER = re.compile(r"<!-- (begin|end): ")
@@ -35,24 +40,35 @@ def load(path: Path, check: Callable[[Any, str], None]) -> Any:
     return result
 
 
-def newest(results: Path) -> Any:
-    """Return the newest run of compare.py."""
-    found = [load(path, peer_tables.check) for path in sorted(results.glob("peers-*.json"))]
+def kept(results: Path, kind: str) -> list[Any]:
+    """Return all runs of a program of KINDS, the newest last."""
+    check = KINDS[kind]
+    found = [load(path, check) for path in sorted(results.glob(f"{kind}-*.json"))]
     if not found:
-        raise ValueError(f"{results}: no peers-*.json; compare.py writes one")
-    return max(found, key=lambda result: result["machine"]["date"])
+        raise ValueError(f"{results}: no {kind}-*.json")
+    return sorted(found, key=lambda result: str(result["machine"]["date"]))
+
+
+def newest(results: Path, kind: str) -> Any:
+    return kept(results, kind)[-1]
+
+
+def by_hand(results: Path) -> list[Any]:
+    """Return the runs of run.py of the newest one's day and commit."""
+    runs = kept(results, "hand")
+
+    def of(run: Any) -> tuple[str, str]:
+        return run["machine"]["date"][:10], run["machine"]["commit"]
+
+    return [run for run in runs if of(run) == of(runs[-1])]
 
 
 def blocks(results: Path) -> dict[str, str]:
     """Return the text of every block by name."""
-    runs = [load(path, hand_tables.check_by_hand) for path in sorted(results.glob("*-run[0-9].json"))]
-    if not runs:
-        raise ValueError(f"{results}: no *-run[0-9].json; run.py writes one")
-    peers = newest(results)
+    peers = newest(results, "peers")
     pictures = peer_tables.pictures(peers)
     return {
-        "by-hand": hand_tables.by_hand(runs),
-        "building": hand_tables.building(load(results / "building.json", hand_tables.check_building)),
+        "by-hand": hand_tables.by_hand(by_hand(results)),
         "quality": hand_tables.quality(load(results / "quality.json", hand_tables.check_quality)),
         **extreme_tables.blocks(load(results / "extremes.json", extreme_tables.check)),
         "peers-how": peer_tables.how(peers),
@@ -60,6 +76,7 @@ def blocks(results: Path) -> dict[str, str]:
         "peers-winners": peer_tables.winners(peers),
         "peers-versions": peer_tables.versions(peers),
         "peers-growth": peer_tables.sweep_table(peers),
+        **sweep_tables.blocks(newest(results, "sweep")),
         **{f"peers-{scene.lower()}": peer_tables.scene_table(peers, scene, n) for scene, n in pictures},
     }
 
@@ -92,6 +109,16 @@ def update(root: Path, results: Path, write: bool) -> list[str]:
     return stale
 
 
+def draw(results: Path, folder: Path) -> None:
+    """Draw all plots into `folder`."""
+    import plots  # here, since tables need no matplotlib
+    import sweep_plots
+
+    figures = plots.figures(newest(results, "peers")) | sweep_plots.figures(newest(results, "sweep"))
+    for path in plots.draw(figures, folder):
+        print(f"{path.relative_to(ROOT)}: drawn")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--results", type=Path, default=ROOT / "benchmarks" / "results", metavar="DIR")
@@ -107,10 +134,7 @@ def main() -> None:
     if chosen.check:
         sys.exit(1 if stale else 0)
     if not chosen.no_plots:
-        import plots  # here, since tables need no matplotlib
-
-        for path in plots.draw(newest(chosen.results), ROOT / "docs" / "images"):
-            print(f"{path.relative_to(ROOT)}: drawn")
+        draw(chosen.results, ROOT / "docs" / "images")
 
 
 if __name__ == "__main__":

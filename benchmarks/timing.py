@@ -1,17 +1,32 @@
 """Paired timing: in every round each contender runs once, so that whatever else the machine does meets all of them.
 
-contenders.py comes before it, report.py after it.
+contenders.py and sweeps/ come before it, report.py and the tables after it.
 """
 
 import gc
+import math
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from contenders import Contender, Outcome
+LEAST_ROUNDS = 3
+
+Result = TypeVar("Result")
+Result_co = TypeVar("Result_co", covariant=True)
+
+
+class Timed(Protocol[Result_co]):
+    """What can be timed; `key` tells it from the others."""
+
+    @property
+    def key(self) -> str: ...
+
+    @property
+    def run(self) -> Callable[[], Result_co]: ...
 
 
 @dataclass
@@ -21,26 +36,34 @@ class Times:
     wall: list[float] = field(default_factory=list)
     cpu: list[float] = field(default_factory=list)
 
+    def add(self, run: Callable[[], Result]) -> Result:
+        """Run once more, and return what that returns."""
+        wall, cpu = time.perf_counter_ns(), time.process_time_ns()
+        result = run()
+        self.cpu.append((time.process_time_ns() - cpu) / 1e6)
+        self.wall.append((time.perf_counter_ns() - wall) / 1e6)
+        return result
+
 
 def measure(
-    contenders: list[Contender], rounds: int, progress: Callable[[int], None]
-) -> tuple[dict[str, Times], dict[str, Outcome]]:
-    """Run `rounds` rounds after one that only warms up, and return times and outcomes by key.
+    contenders: Sequence[Timed[Result_co]], rounds: int, progress: Callable[[int], None], seconds: float = math.inf
+) -> tuple[dict[str, Times], dict[str, Result_co]]:
+    """Run `rounds` rounds after one that only warms up, and return times, and what the first one returned, by key.
 
-    The order moves on by one each round, so that no contender always comes first.
+    The order moves on by one each round, so that no contender always comes first. After `seconds` three rounds suffice.
     """
     outcomes = {contender.key: contender.run() for contender in contenders}
     times = {contender.key: Times() for contender in contenders}
     gc.collect()
     gc.disable()
+    start = time.perf_counter()
     try:
         for index in range(rounds):
+            if index >= LEAST_ROUNDS and time.perf_counter() - start > seconds:
+                break
             shift = index % len(contenders)
-            for contender in contenders[shift:] + contenders[:shift]:
-                wall, cpu = time.perf_counter_ns(), time.process_time_ns()
-                contender.run()
-                times[contender.key].cpu.append((time.process_time_ns() - cpu) / 1e6)
-                times[contender.key].wall.append((time.perf_counter_ns() - wall) / 1e6)
+            for contender in (*contenders[shift:], *contenders[:shift]):
+                times[contender.key].add(contender.run)
             progress(index + 1)
     finally:
         gc.enable()

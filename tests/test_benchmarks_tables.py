@@ -71,16 +71,18 @@ def test_tables_are_taken_from_the_newest_run(tables: Any, copy: Path):
         ("peers-*.json", lambda r: r["rows"][1].update(status="fine"), r"rows\[1\]: unknown status 'fine'"),
         ("peers-*.json", lambda r: r["rows"][0].pop("median"), r"rows\[0\]: median missing"),
         ("peers-*.json", lambda r: r["rows"][0].update(mode="fog"), r"rows\[0\]: no such picture"),
-        ("*-run[0-9].json", lambda r: r.pop("verdicts"), "run3.json: 'verdicts' is missing"),
-        ("*-run[0-9].json", lambda r: r["rows"].clear(), "run3.json: 'rows' is missing"),
-        ("*-run[0-9].json", lambda r: r["rows"][2].pop("median"), r"run3.json: rows\[2\]: median missing"),
+        ("hand-*.json", lambda r: r.pop("verdicts"), "hand-.*: 'verdicts' is missing"),
+        ("hand-*.json", lambda r: r["rows"].clear(), "hand-.*: 'rows' is missing"),
+        ("hand-*.json", lambda r: r["rows"][2].pop("median"), r"hand-.*: rows\[2\]: median missing"),
         ("quality.json", lambda r: r.pop("rows"), "quality.json: 'rows' is missing"),
         ("quality.json", lambda r: r["rows"][0].pop("p99"), r"quality.json: rows\[0\]: p99 missing"),
         ("extremes.json", lambda r: r.pop("folds"), "extremes.json: 'folds' is missing"),
         ("extremes.json", lambda r: r["offsets"][0].pop("lost"), r"extremes.json: offsets\[0\]: lost missing"),
         ("extremes.json", lambda r: r["folds"].pop("order"), "extremes.json: folds: order missing"),
-        ("building.json", lambda r: r.pop("rounds"), "building.json: 'rounds' is missing"),
-        ("building.json", lambda r: r["rows"][1].pop("save"), r"building.json: rows\[1\]: save missing"),
+        ("sweep-*.json", lambda r: r.pop("settings"), "sweep-.*: 'settings' is missing"),
+        ("sweep-*.json", lambda r: r["rows"]["balls"][1].pop("cells"), r"sweep-.*: rows.balls\[1\]: cells missing"),
+        ("sweep-*.json", lambda r: r["rows"]["isas"][0]["cpu"].clear(), r"sweep-.*: rows.isas\[0\]: cpu and wall"),
+        ("sweep-*.json", lambda r: r["rows"].update(luck=[]), "sweep-.*: rows: unknown sweep 'luck'"),
     ],
 )
 def test_damaged_results_are_refused(tables: Any, copy: Path, pattern: str, change: Damage, message: str):
@@ -95,6 +97,14 @@ def test_no_results_are_refused(tables: Any, copy: Path):
         path.unlink()
     with pytest.raises(ValueError, match=r"no peers-\*\.json"):
         tables.update(copy, copy / "results", write=True)
+
+
+def test_marches_by_hand_are_those_of_the_newest_day_and_commit(tables: Any, copy: Path):
+    runs = tables.by_hand(copy / "results")
+    assert len({run["machine"]["commit"] for run in runs}) == 1
+    newer = runs[0] | {"machine": runs[0]["machine"] | {"date": "2999-01-01T00:00:00+00:00"}}
+    (copy / "results" / "hand-0.json").write_text(json.dumps(newer))
+    assert [run["machine"]["date"][:4] for run in tables.by_hand(copy / "results")] == ["2999"]
 
 
 @pytest.mark.parametrize(
@@ -121,5 +131,6 @@ def test_plots_are_the_same_when_drawn_again(tables: Any, tmp_path: Path):
     pytest.importorskip("matplotlib")
     import plots
 
-    first, second = ([p.read_bytes() for p in plots.draw(tables.newest(RESULTS), tmp_path)] for _ in range(2))
+    figures = plots.figures(tables.newest(RESULTS, "peers"))
+    first, second = ([p.read_bytes() for p in plots.draw(figures, tmp_path)] for _ in range(2))
     assert first == second
