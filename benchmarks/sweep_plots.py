@@ -5,7 +5,7 @@ from functools import partial
 from typing import Any
 
 import matplotlib.pyplot as plt
-from matplotlib.ticker import FuncFormatter, LogFormatter
+from matplotlib.ticker import FuncFormatter, LogFormatter, NullLocator
 
 from plots import COLOURS, MARKERS, OURS, plain
 from sweep_rows import Row, added, median, one, ratio, scene_title, values, where
@@ -81,7 +81,7 @@ def resolution(rows: list[Row]) -> Any:
         title = f"{scene_title(picture)}, {MODES[picture['mode']]}"
         axes.plot([row["side"] for row in some], times, "o-", color=colour, ms=3.5, label=title)
     axes.set_xticks(values(rows, "side"))
-    axes.minorticks_off()
+    axes.xaxis.set_minor_locator(NullLocator())
     _legend(axes)
     return figure
 
