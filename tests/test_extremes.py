@@ -92,6 +92,38 @@ def test_an_eye_far_from_the_origin_over_what_has_no_bounds(isa: str, precision:
     assert_allclose(pictures[0].depth[hit], pictures[1].depth[hit], rtol=1e-5)
 
 
+@pytest.mark.parametrize("periods", [1e3, 1e6, 1e8])
+def test_far_along_an_endless_lattice(periods: float, isa: str, precision: str):
+    """All cells are alike."""
+    lattice = (om.sphere(0.3) | om.box(0.2, center=(0.5, 0.1, 0))).repeat((2, 2, 4))
+    march = om.March(max_distance=30)
+    options = {"march": march, "planes": ("depth", "normal", "status"), "precision": precision, "isa": isa}
+    here, there = (
+        om.render(lattice, om.Camera(eye, eye + np.array([1, 0.3, 0.2])), (32, 24), **options)
+        for eye in (np.array([1.0, 1, 2]), np.array([1, 1, 2]) + periods * np.array([2, -2, 4]))
+    )
+    assert (there.status == here.status).mean() > 0.99
+    hit = (here.status == om.Status.HIT) & (there.status == om.Status.HIT)
+    assert hit.sum() > 100
+    for plane in ("depth", "normal"):
+        assert np.quantile(np.abs(getattr(there, plane)[hit] - getattr(here, plane)[hit]), 0.95) < 2e-5
+
+
+def test_near_things_in_a_large_scene(isa: str, precision: str):
+    """A house in a town of a thousand miles: where epsilon asks for it, coordinates count from the eye."""
+    rng = np.random.default_rng(1)
+    houses = om.boxes(rng.uniform(-8e5, 8e5, (50, 3)), 10.0) | BODY.translate(7e5, 0, -7e5)
+    eye = np.array([7e5 + 3, 2, -7e5 + 4])
+    options = {"planes": ("depth", "status"), "precision": precision, "isa": isa}
+    march = om.March(epsilon=1e-5)
+    image = om.render(houses, om.Camera(eye, (7e5, 0, -7e5)), (32, 24), march=march, **options)
+    alone = om.render(BODY, om.Camera((3, 2, 4), (0, 0, 0)), (32, 24), march=march, **options)
+    hit = alone.status == om.Status.HIT
+    assert hit.sum() > 100
+    assert (image.status[hit] == om.Status.HIT).mean() > 0.99
+    assert np.quantile(np.abs(image.depth[hit] - alone.depth[hit]), 0.95) < 2e-5
+
+
 DISTANCES = [1e2, 1e4, 1e6, 1e8]
 
 

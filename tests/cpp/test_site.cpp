@@ -28,9 +28,17 @@ TEST_CASE("the anchor of a point, or of what is far beyond its own size, is its 
 
 TEST_CASE("without a focus pictures count from a far eye") {
   const Site endless = site_of(std::nullopt, Aabb{});
-  CHECK(anchor_seen_from(endless, {1000.0, 2.0, 0.0}) == Vec3{});
-  CHECK(anchor_seen_from(endless, {0.0, 2.0, -2000.0}) == Vec3{0.0, 2.0, -2000.0});
-  CHECK(anchor_seen_from(site_of_cube({}), {0.0, 2.0, -2000.0}) == Vec3{});
+  CHECK(anchor_seen_from(endless, {1000.0, 2.0, 0.0}, 1e-6, 1e-4) == Vec3{});
+  CHECK(anchor_seen_from(endless, {0.0, 2.0, -2000.0}, 1e-6, 1e-4) == Vec3{0.0, 2.0, -2000.0});
+  CHECK(anchor_seen_from(site_of_cube({}), {0.0, 2.0, -2000.0}, 1e-6, 1e-4) == Vec3{});
+}
+
+TEST_CASE("amid a large focus pictures count from the eye where coordinates are too coarse for epsilon") {
+  const Site large = site_of_cube({}, 1e5);
+  CHECK(anchor_seen_from(large, {9e4, 0.0, 0.0}, 1e-6, 1e-2) == Vec3{9e4, 0.0, 0.0});
+  CHECK(anchor_seen_from(large, {9e4, 0.0, 0.0}, 1e-6, 0.1) == Vec3{});
+  CHECK(anchor_seen_from(large, {9e4, 0.0, 0.0}, 1e-15, 1e-2) == Vec3{});
+  CHECK(anchor_seen_from(large, {2e5, 0.0, 0.0}, 1e-6, 1e-2) == Vec3{});
 }
 
 TEST_CASE("rays are moved along where the bounds are far, and stay two radii away") {

@@ -73,6 +73,10 @@ struct Aabb {
 /// True when `box` contains no point at all, on some axis lo > hi.
 constexpr bool is_empty(const Aabb& box) { return box.lo.x > box.hi.x || box.lo.y > box.hi.y || box.lo.z > box.hi.z; }
 
+constexpr bool contains(const Aabb& box, const Vec3& p) {
+  return box.lo.x <= p.x && p.x <= box.hi.x && box.lo.y <= p.y && p.y <= box.hi.y && box.lo.z <= p.z && p.z <= box.hi.z;
+}
+
 /// A box as it is seen from another origin.
 constexpr Aabb counted_from(const Vec3& origin, const Aabb& box) { return {box.lo - origin, box.hi - origin}; }
 

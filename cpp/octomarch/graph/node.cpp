@@ -181,6 +181,12 @@ std::size_t count_nodes(const NodePtr& root) {
   return count;
 }
 
+double nearest_middle(const RepeatAxis& axis, double middle) {
+  constexpr double kMany = 16.0;
+  const bool is_endless = axis.period != 0.0 && std::isinf(axis.limit);
+  return is_endless && std::fabs(middle) > kMany * axis.period ? std::remainder(middle, axis.period) : middle;
+}
+
 RepeatAxis repeat_axis(const Node& repeat, std::size_t axis) {
   const double period = repeat.parameter(axis);
   const double count = repeat.parameter(3 + axis);

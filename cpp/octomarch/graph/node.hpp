@@ -87,6 +87,9 @@ struct RepeatAxis {
   double limit;   ///< (count − 1)/2, or +inf
 };
 
+/// A coordinate of the middle copy, or of another of an endless axis, which are all alike, where it is many periods away.
+double nearest_middle(const RepeatAxis& axis, double middle);
+
 /// The constants of axis 0, 1 or 2 of a kRepeat node.
 RepeatAxis repeat_axis(const Node& repeat, std::size_t axis);
 

@@ -26,6 +26,7 @@ double lead_over(const Site& site, double distance, double min_distance) {
 Site site_of(const std::optional<Aabb>& focus, const Aabb& bounds) {
   Site site;
   site.bounds = bounds;
+  site.focus = focus;
   if (!focus) return site;
   const double diagonal = length(focus->hi - focus->lo);
   site.radius = diagonal > 0.0 ? 0.5 * diagonal : 0.5;
@@ -34,18 +35,24 @@ Site site_of(const std::optional<Aabb>& focus, const Aabb& bounds) {
   const double grid = std::exp2(std::ceil(std::log2(site.radius)));
   site.anchor = {rounded(middle.x, grid), rounded(middle.y, grid), rounded(middle.z, grid)};
   site.bounds = counted_from(site.anchor, bounds);
+  site.focus = counted_from(site.anchor, *focus);
   return site;
 }
 
 Site counted_from(const Vec3& anchor, const Site& site) {
   Site moved = site;
   moved.anchor = anchor;
-  moved.bounds = counted_from(anchor - site.anchor, site.bounds);
+  const Vec3 move = anchor - site.anchor;
+  moved.bounds = counted_from(move, site.bounds);
+  if (site.focus) moved.focus = counted_from(move, *site.focus);
   return moved;
 }
 
-Vec3 anchor_seen_from(const Site& site, const Vec3& eye) {
-  return std::isinf(site.radius) && largest_magnitude(eye) > kFarEye ? eye : site.anchor;
+Vec3 anchor_seen_from(const Site& site, const Vec3& eye, double rounding, double epsilon) {
+  if (!site.focus) return largest_magnitude(eye) > kFarEye ? eye : site.anchor;
+  const Vec3 from_anchor = eye - site.anchor;
+  const bool is_coarse = rounding * largest_magnitude(from_anchor) > epsilon;
+  return is_coarse && contains(*site.focus, from_anchor) ? eye : site.anchor;
 }
 
 double lead_of(const Site& site, const Vec3& from, double min_distance) {

@@ -19,8 +19,9 @@ inline constexpr double kFarEye = 1024.0;
 struct Site {
   Vec3 anchor;                ///< where coordinates are counted from: the origin, unless the shape is far from it
   Aabb bounds;                ///< of the solid, from the anchor
+  std::optional<Aabb> focus;  ///< of the bounded parts, likewise
   double radius = kInfinity;  ///< half the scene's size: of the bounded parts' diagonal; infinite where there are none
-  double inner_offset = 0.0;  ///< how far operators move coordinates back at the most; 0 where the anchor is the origin
+  double inner_offset = 0.0;  ///< the farthest that operators move coordinates back; 0 where the anchor is the origin
 };
 
 /// The site of a shape that fills `bounds`, and whose bounded parts fill `focus`. The anchor is the middle of the focus where
@@ -30,8 +31,9 @@ Site site_of(const std::optional<Aabb>& focus, const Aabb& bounds);
 /// The same place with another anchor.
 Site counted_from(const Vec3& anchor, const Site& site);
 
-/// The anchor of pictures from an eye: where no part of a shape is bounded it is a far eye itself.
-Vec3 anchor_seen_from(const Site& site, const Vec3& eye);
+/// The anchor of pictures from an eye. It is the eye itself where that is far and no part of the shape is bounded, or where it
+/// stands amid the bounded parts and roundings there, of its largest coordinate times `rounding`, are more than `epsilon`.
+Vec3 anchor_seen_from(const Site& site, const Vec3& eye, double rounding, double epsilon);
 
 /// How far a ray from a point (counted from the anchor) is moved along at once, in double: up to two radii from the bounds
 /// where they are far, less `min_distance`; else 0. At its start, t = min_distance + radius from there, it is outside of them.

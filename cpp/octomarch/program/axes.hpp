@@ -7,6 +7,7 @@
 
 namespace octomarch {
 
+inline double& component(Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 inline double component(const Vec3& v, std::size_t axis) { return axis == 0 ? v.x : axis == 1 ? v.y : v.z; }
 
 /// Frame axis that a local axis lies along; contract: the rotation is a signed permutation.

@@ -28,13 +28,15 @@ struct FrameRepeat {
   }
 };
 
-std::array<FrameRepeat, 3> frame_repeats(const Placement& place, const Node& repeat, unsigned symmetry) {
+/// Moves `place` to one of the copies along endless axes, where it is many periods away.
+std::array<FrameRepeat, 3> frame_repeats(Placement& place, const Node& repeat, unsigned symmetry) {
   std::array<FrameRepeat, 3> axes;
   for (std::size_t local = 0; local < 3; ++local) {
     const std::size_t axis = frame_axis(place, local);
     axes[axis].cells = repeat_axis(repeat, local);
     axes[axis].cells.period *= place.scale;
-    axes[axis].middle = component(place.offset, axis);
+    double& middle = component(place.offset, axis);
+    middle = axes[axis].middle = nearest_middle(axes[axis].cells, middle);
     axes[axis].symmetric = (symmetry & (kMirrorX << local)) != 0;
   }
   return axes;
@@ -95,7 +97,6 @@ Placement aligned(const Placement& placement, DataFlow& flow) {
   if (is_signed_permutation(placement.rotation)) return placement;
   const Mat3 local_from_frame = transposed(placement.rotation);
   const Vec3 shift = local_from_frame * placement.offset;
-  flow.note_move(shift);
   const Mat3& m = local_from_frame;
   const ValueId turned =
       flow.emit(Opcode::kRotate, placement.frame,
@@ -114,7 +115,6 @@ Placement aligned(const Placement& placement, DataFlow& flow) {
 
 std::array<ValueId, 3> own_axes(const Placement& placement, DataFlow& flow) {
   const Placement place = aligned(placement, flow);
-  flow.note_move(place.offset);
   std::array<ValueId, 3> axes{};
   for (std::size_t local = 0; local < 3; ++local) {
     const std::size_t row = frame_axis(place, local);
@@ -131,6 +131,7 @@ std::array<ValueId, 3> own_axes(const Placement& placement, DataFlow& flow) {
 }
 
 Coordinates own_coordinates(const Placement& placement, DataFlow& flow) {
+  flow.note_move(placement.offset);
   std::array<ValueId, 3> axes = own_axes(placement, flow);
   if (placement.scale != 1.0) {
     for (ValueId& axis : axes) axis = flow.emit(Opcode::kMultiplyConstant, {{axis}}, {{1.0 / placement.scale}});
@@ -148,6 +149,7 @@ Coordinates own_coordinates(const Placement& placement, DataFlow& flow) {
 }
 
 Placement bent_placement(const Placement& parent, const Node& node, DataFlow& flow) {
+  flow.note_move(parent.offset);
   Placement child;
   child.frame = own_axes(parent, flow);
   child.scale = parent.scale;
@@ -213,9 +215,9 @@ ValueId emit_cut(const Node& node, const Placement& placement, DataFlow& flow) {
 
 std::vector<Placement> repeat_placements(const Placement& parent, const Node& repeat, unsigned symmetry,
                                          DataFlow& flow) {
-  const Placement place = aligned(parent, flow);
-  flow.note_move(place.offset);
+  Placement place = aligned(parent, flow);
   const std::array<FrameRepeat, 3> axes = frame_repeats(place, repeat, symmetry);
+  flow.note_move(place.offset);
   std::vector<Placement> placements{place};
   placements[0].frame = nearest_cell(place.frame, axes, flow);
   for (std::size_t axis = 0; axis < 3; ++axis) {

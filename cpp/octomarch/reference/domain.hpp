@@ -129,7 +129,13 @@ Spot<T> child_spot(const Node& node, const Spot<T>& at, std::size_t visit) {
       return {at.p / T(parameter(0)), {s.x / parameter(0), s.y / parameter(0), s.z / parameter(0)}};
     case NodeKind::kStretch:
       return {at.p / vector_parameter<T>(node, 0), {s.x / parameter(0), s.y / parameter(1), s.z / parameter(2)}};
-    case NodeKind::kRepeat:
+    case NodeKind::kRepeat: {
+      const auto near = [&](std::size_t axis, double middle) {
+        return nearest_middle(repeat_axis(node, axis), middle);
+      };
+      const Spot<T> moved{at.p, {near(0, s.x), near(1, s.y), near(2, s.z)}};
+      return {child_point(node, moved.point(), visit), {}};
+    }
     case NodeKind::kElongate:
     case NodeKind::kMirror:
     case NodeKind::kTwist:

@@ -129,7 +129,8 @@ template <class T>
 void render(const NodePtr& root, const Scene& whole_scene, const Camera& whole_camera, const March& march,
             const Shading& shading, const Extent& extent, const Compiled& compiled, const Planes<T>& planes,
             const Poll& poll) {
-  const Vec3 anchor = anchor_seen_from(compiled.site, whole_camera.eye);
+  const double rounding = static_cast<double>(T(16) * kUnitRoundoff<T>);
+  const Vec3 anchor = anchor_seen_from(compiled.site, whole_camera.eye, rounding, march.least_epsilon());
   const Site site = counted_from(anchor, compiled.site);
   const Scene scene = counted_from(anchor, whole_scene);
   const Camera camera = counted_from(anchor, whole_camera);

@@ -31,8 +31,9 @@ void add_all(RenderStats& sum, const RenderStats& part) {
 
 /// A picture with everything in it counted from its program's anchor.
 struct Anchored {
-  explicit Anchored(const Picture& whole)
-      : anchor(anchor_seen_from(whole.program->site(), whole.camera.eye)),
+  /// `rounding`: the relative part of the hit epsilon.
+  Anchored(const Picture& whole, double rounding)
+      : anchor(anchor_seen_from(whole.program->site(), whole.camera.eye, rounding, whole.march.least_epsilon())),
         scene(counted_from(anchor, *whole.scene)),
         picture(whole) {
     if (!(anchor == whole.program->site().anchor)) picture.program = &program.emplace(whole.program->root(), anchor);
@@ -53,7 +54,7 @@ struct Anchored {
 template <class Real>
 RenderStats render(const Picture& whole, const Planes<Real>& planes, const kernels::Isa& isa, unsigned threads,
                    const Listener& listener) {
-  const Anchored anchored(whole);
+  const Anchored anchored(whole, static_cast<double>(kUlpFloor<Real>));
   const Picture& picture = anchored.picture;
   const TileGrid grid(picture);
   const Expressions sky = planes.color ? compile_expressions(picture.scene->sky.color) : Expressions{};
