@@ -6,7 +6,7 @@ Result = dict[str, Any]
 
 _COLUMNS = {
     "offsets": ("precision", "offset", "hits", "lost", "depth_p50", "depth_p99", "degrees_p95"),
-    "distances": ("precision", "distance", "missed", "off_p50", "off_p95", "off_most", "depth_unit"),
+    "distances": ("precision", "ball", "distance", "missed", "off_p50", "off_p95", "off_most", "depth_unit"),
     "grazing": ("degrees", "formula", "plain", "auto", "status", "height"),
     "bounds": ("shape", "least", "p50", "most"),
     "differences": ("precision", "normals", "step", "degrees_p95"),
@@ -73,7 +73,7 @@ def _distances(rows: list[Result]) -> str:
         head,
         [
             [
-                row["precision"],
+                f"{row['precision']}, {row['ball']}",
                 _power(row["distance"]),
                 str(row["missed"]),
                 f"{row['off_p50']:.1e}",

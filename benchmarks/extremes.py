@@ -65,23 +65,26 @@ def far_from_the_origin() -> list[Row]:
 
 
 def from_far_away() -> list[Row]:
-    """Measure a ball that fills the picture, seen from farther and farther away: every ray that should hits."""
+    """Measure a ball that fills the picture, seen from farther and farther away, alone and on a floor without end."""
     towards = np.array([2, 3, 6]) / 7
     across = np.hypot(*np.meshgrid(*[((np.arange(120) + 0.5) / 120 * 2 - 1) * 1.1] * 2))
+    shapes = {"alone": BALL, "on a floor": BALL | om.plane(point=(0, -1, 0))}
     rows = []
-    for precision in PRECISIONS:
+    for precision, name in [*((precision, "alone") for precision in PRECISIONS), (PRECISIONS[0], "on a floor")]:
         for distance in (10.0, 1e2, 1e4, 1e6, 1e8):
             angle = math.degrees(2 * math.atan2(1.1, distance))
             camera = om.Camera(distance * towards, (0, 0, 0), fov=angle)
-            image = om.render(BALL, camera, (120, 120), planes=("status", "position", "depth"), precision=precision)
-            hit = image.status == om.Status.HIT
+            planes = ("status", "position")
+            image = om.render(shapes[name], camera, (120, 120), planes=planes, precision=precision)
+            wanted = across < 0.99  # from 10 the outline is a little smaller than the ball
+            hit = wanted & (image.status == om.Status.HIT)
             off = np.abs(np.linalg.norm(image.position[hit].astype(np.float64), axis=-1) - 1)
-            # at 10 the silhouette is that of a cone, and lies within the ball's own outline
             rows.append(
                 {
                     "precision": precision,
+                    "ball": name,
                     "distance": distance,
-                    "missed": int((~hit & (across < 0.99)).sum()),
+                    "missed": int((wanted & ~hit).sum()),
                     "off_p50": float(np.median(off)),
                     "off_p95": float(np.quantile(off, 0.95)),
                     "off_most": float(off.max()),

@@ -59,10 +59,10 @@ double lead_of(const Site& site, const Vec3& from, double min_distance) {
   if (is_empty(site.bounds)) return 0.0;
   const auto outside = [](double x, double lo, double hi) { return std::max({lo - x, x - hi, 0.0}); };
   const Aabb& box = site.bounds;
-  return lead_over(site,
-                   std::hypot(outside(from.x, box.lo.x, box.hi.x), outside(from.y, box.lo.y, box.hi.y),
-                              outside(from.z, box.lo.z, box.hi.z)),
-                   min_distance);
+  const Vec3 away{outside(from.x, box.lo.x, box.hi.x), outside(from.y, box.lo.y, box.hi.y),
+                  outside(from.z, box.lo.z, box.hi.z)};
+  if (2.0 * largest_magnitude(away) <= kFar * site.radius) return 0.0;  // most queries' rays: no root for them
+  return lead_over(site, length(away), min_distance);
 }
 
 double parallel_lead_of(const Site& site, const Vec3& from, const Vec3& direction, double min_distance) {
