@@ -275,3 +275,13 @@ def test_places_and_sizes_at_the_ends_of_numbers(size: float, place: float, isa:
     hits = shape.raycast([eye, [place, 0, 0]], [0, 0, -1], precision=precision, isa=isa)
     assert not np.isnan(hits.t).any()
     assert not np.isnan(shape.distance(eye, precision="float64", isa=isa)).any()
+
+
+def test_programs_say_what_they_count_from():
+    program = om.compile(BODY.translate(1e6, 0, -4e4))
+    assert program.anchor == (1e6, 0, -4e4)
+    assert "x y z count from (1e+06, 0, -40000)" in str(program)
+    assert program.focus is not None
+    assert program.focus[0][0] == pytest.approx(1e6, abs=2)
+    assert om.compile(BODY).anchor == (0, 0, 0)
+    assert "count from" not in str(om.compile(BODY))
