@@ -301,6 +301,29 @@ def reference_raycast(
     t_max: float,
     dtype: str,
 ) -> _Planes: ...
+def reference_certified(
+    node: Node,
+    origins: NDArray[np.float64],
+    directions: NDArray[np.float64],
+    t_min: float,
+    max_distance: float,
+    tolerance: float,
+    max_evaluations: int,
+    threads: int,
+) -> _Planes: ...
+def reference_certified_picture(
+    node: Node,
+    camera: Camera,
+    width: int,
+    height: int,
+    crop: tuple[int, int, int, int],
+    t_min: float,
+    max_distance: float,
+    tolerance: float,
+    max_evaluations: int,
+    threads: int,
+) -> _Planes: ...
+def reference_ranges(node: Node, starts: NDArray[np.float64], ends: NDArray[np.float64]) -> NDArray[np.float64]: ...
 def reference_render(
     program: Program,
     scene: Scene,

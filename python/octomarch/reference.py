@@ -4,6 +4,8 @@ It walks the nodes of a shape one point at a time, in plain C++ with GLM, and sh
 and packets of rays behind `Shape.distance` and `octomarch.render`: where the two agree, both are very likely right.
 From the program it takes the Lipschitz bound, and where and how large the scene is. It runs on one thread; Ctrl-C stops
 it.
+
+`certified` and `certified_picture` go farther: they prove where rays first meet a shape, by intervals in place of steps.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import Precision
+from octomarch.brackets import Brackets, Verdict, certified, certified_picture
 from octomarch.camera import AnyCamera, or_framing
 from octomarch.image import Image
 from octomarch.march import March
@@ -29,7 +32,16 @@ from octomarch.scene import Scene
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
 
-__all__ = ["distance", "gradient", "raycast", "render"]
+__all__ = [
+    "Brackets",
+    "Verdict",
+    "certified",
+    "certified_picture",
+    "distance",
+    "gradient",
+    "raycast",
+    "render",
+]
 
 ReferencePlane: TypeAlias = Literal["color", "depth", "position", "normal", "material_id", "steps", "status"]
 

@@ -13,6 +13,7 @@
 #include "octomarch/bindings/arrays.hpp"
 #include "octomarch/bindings/register.hpp"
 #include "octomarch/program/program.hpp"
+#include "octomarch/reference/certified.hpp"
 #include "octomarch/reference/queries.hpp"
 #include "octomarch/reference/render.hpp"
 
@@ -106,6 +107,71 @@ py::dict render(const Program& program, const Scene& scene, const Camera& camera
   });
 }
 
+reference::Brackets brackets_in(Results& results) {
+  return {.t_lo = results.scalars<double>("t_lo"),
+          .t_hi = results.scalars<double>("t_hi"),
+          .verdict = results.scalars<std::uint8_t>("status")};
+}
+
+py::dict certified(const NodePtr& node, const Rows& origins, const Rows& directions, double t_min, double max_distance,
+                   double tolerance, int max_evaluations, unsigned threads) {
+  const std::span<const double> from = triples(origins, "origins");
+  const std::span<const double> along = triples(directions, "directions");
+  require(from.size() == along.size(), "directions", "as many as origins", directions.shape(0));
+  Results results({origins.shape(0)});
+  const reference::Brackets brackets = brackets_in(results);
+  {
+    const py::gil_scoped_release release;
+    reference::certified(node, from, along, {t_min, max_distance, tolerance, max_evaluations}, threads, brackets,
+                         check_signals);
+  }
+  return results.take();
+}
+
+py::dict certified_picture(const NodePtr& node, const Camera& camera, std::uint32_t width, std::uint32_t height,
+                           const CropBox& crop, double t_min, double max_distance, double tolerance,
+                           int max_evaluations, unsigned threads) {
+  require(width >= 1, "width", ">= 1", width);
+  require(height >= 1, "height", ">= 1", height);
+  const Crop window = crop_of(crop, width, height);
+  Results results({static_cast<py::ssize_t>(window.height), static_cast<py::ssize_t>(window.width)});
+  const reference::Brackets brackets = brackets_in(results);
+  {
+    const py::gil_scoped_release release;
+    reference::certified_picture(node, camera, width, height, window,
+                                 {t_min, max_distance, tolerance, max_evaluations}, threads, brackets, check_signals);
+  }
+  return results.take();
+}
+
+/// What the search knows of a field along the segments from `starts` to `ends`: least and greatest value, and least and
+/// greatest change per segment.
+py::array ranges(const NodePtr& node, const Rows& starts, const Rows& ends) {
+  const std::span<const double> from = triples(starts, "starts");
+  const std::span<const double> to = triples(ends, "ends");
+  require(from.size() == to.size(), "ends", "as many as starts", ends.shape(0));
+  py::array_t<double> rows({starts.shape(0), py::ssize_t{4}});
+  const std::span<double> out = contents(rows);
+  reference::FieldTracer field(node, {});
+  for (std::size_t i = 0; i < from.size(); i += 3) {
+    reference::PointTrace p;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const Interval first = from[i + axis];
+      const Interval last = to[i + axis];
+      p[axis] = {hull(first, last), first, last, last - first, true};
+    }
+    const reference::Trace trace = field.along(p);
+    const Interval over = trace.is_undefined ? Interval::whole() : trace.over;
+    const Interval rise = trace.is_undefined ? Interval::whole() : trace.rise;
+    const std::size_t row = i / 3 * 4;
+    out[row] = over.lo();
+    out[row + 1] = over.hi();
+    out[row + 2] = rise.lo();
+    out[row + 3] = rise.hi();
+  }
+  return rows;
+}
+
 }  // namespace
 
 void register_reference(py::module_& module) {
@@ -116,6 +182,13 @@ void register_reference(py::module_& module) {
   module.def("reference_render", &render, py::arg("program"), py::arg("scene"), py::arg("camera"), py::arg("march"),
              py::arg("shading"), py::arg("width"), py::arg("height"), py::arg("crop"), py::arg("samples"),
              py::arg("planes"), py::arg("dtype"));
+  module.def("reference_certified", &certified, py::arg("node").none(false), py::arg("origins"), py::arg("directions"),
+             py::arg("t_min"), py::arg("max_distance"), py::arg("tolerance"), py::arg("max_evaluations"),
+             py::arg("threads"));
+  module.def("reference_certified_picture", &certified_picture, py::arg("node").none(false), py::arg("camera"),
+             py::arg("width"), py::arg("height"), py::arg("crop"), py::arg("t_min"), py::arg("max_distance"),
+             py::arg("tolerance"), py::arg("max_evaluations"), py::arg("threads"));
+  module.def("reference_ranges", &ranges, py::arg("node").none(false), py::arg("starts"), py::arg("ends"));
 }
 
 }  // namespace octomarch

@@ -17,11 +17,6 @@
 namespace octomarch {
 namespace {
 
-/// Bounds of gradient noise and of the length of its gradient, found by branch and bound over a cell, with the worst of
-/// the twelve gradients at each corner (tests/cpp/test_noise_bounds.cpp); those that are met are 1.0363 and 3.75.
-constexpr double kNoiseValue = 1.05;
-constexpr double kNoiseSlope = 3.8;
-
 constexpr std::size_t kMostPieces = 512;
 constexpr std::size_t kMostEvaluations = 100'000;  ///< of nodes: what takes some milliseconds
 constexpr double kEnough = 0.99;                   ///< twice as many pieces must tighten the bound to less than this

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "octomarch/reference/domain.hpp"
+#include "octomarch/reference/operands.hpp"
 #include "octomarch/reference/operators.hpp"
 #include "octomarch/reference/own_field.hpp"
 #include "octomarch/reference/primitives.hpp"
@@ -16,26 +17,6 @@ namespace octomarch::reference {
 namespace {
 
 constexpr std::uint64_t kWorkPerPoll = 1U << 18U;  // some ten milliseconds
-
-/// Combinations, transforms and the user's own fields that are reached from more than one place.
-std::unordered_set<const Node*> shared_nodes(const Node& root) {
-  std::unordered_set<const Node*> seen;
-  std::unordered_set<const Node*> shared;
-  std::vector<const Node*> work{&root};
-  while (!work.empty()) {
-    const Node* const node = work.back();
-    work.pop_back();
-    for (const NodePtr& child : operand_shapes(*node)) {
-      if (child->children().empty()) continue;
-      if (seen.insert(child.get()).second) {
-        work.push_back(child.get());
-      } else {
-        shared.insert(child.get());
-      }
-    }
-  }
-  return shared;
-}
 
 std::size_t visit_count(const Node& node) {
   return node.kind() == NodeKind::kRepeat ? copies(node) : operand_shapes(node).size();

@@ -2,7 +2,6 @@
 #include "octomarch/reference/expression.hpp"
 
 #include <cmath>
-#include <unordered_map>
 
 #include "octomarch/reference/noise.hpp"
 #include "octomarch/reference/texel.hpp"
@@ -93,33 +92,10 @@ Jet<T> coordinate(int index, const Vector<T>& point, const Vector<T>& normal) {
   return result;
 }
 
-/// What stands above a node's operands; images are parameters, no operands.
-std::span<const NodePtr> operands(const Node& node) {
-  return node.children().subspan(node.kind() == NodeKind::kTexel ? 1 : 0);
-}
-
 }  // namespace
 
 template <class T>
-Expression<T>::Expression(const Node& root) {
-  std::unordered_map<const Node*, std::size_t> index_of;
-  std::vector<const Node*> work{&root};
-  while (!work.empty()) {
-    const Node* const node = work.back();
-    const std::size_t waiting = work.size();
-    for (const NodePtr& operand : operands(*node)) {
-      if (!index_of.contains(operand.get())) work.push_back(operand.get());
-    }
-    if (work.size() > waiting) continue;
-    work.pop_back();
-    if (index_of.contains(node)) continue;
-    Step step{node, {}};
-    for (std::size_t i = 0; i < operands(*node).size(); ++i) step.operands[i] = index_of.at(operands(*node)[i].get());
-    index_of.emplace(node, steps_.size());
-    steps_.push_back(step);
-  }
-  results_.resize(steps_.size());
-}
+Expression<T>::Expression(const Node& root) : steps_(steps_of(root)), results_(steps_.size()) {}
 
 template <class T>
 Jet<T> Expression<T>::at(const Vector<T>& point, const Vector<T>& normal) {

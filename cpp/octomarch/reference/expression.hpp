@@ -1,12 +1,12 @@
 // Expressions at a point, by a walk over their nodes. Noise and texels come before it; fields, materials and skies ask it.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
 #include "octomarch/graph/node.hpp"
 #include "octomarch/reference/jet.hpp"
+#include "octomarch/reference/steps.hpp"
 
 namespace octomarch::reference {
 
@@ -25,11 +25,6 @@ class Expression {
   std::size_t size() const { return steps_.size(); }
 
  private:
-  struct Step {
-    const Node* node;
-    std::array<std::size_t, 3> operands;  // indices of earlier steps
-  };
-
   std::vector<Step> steps_;
   std::vector<Jet<T>> results_;
 };

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "octomarch/graph/builder.hpp"
+#include "octomarch/reference/operands.hpp"
 
 namespace octomarch::reference {
 namespace {
@@ -29,17 +30,6 @@ class Numbering {
 };
 
 }  // namespace
-
-std::span<const NodePtr> operand_shapes(const Node& shape) {
-  const std::span<const NodePtr> children = shape.children();
-  switch (shape.kind()) {
-    case NodeKind::kField:
-    case NodeKind::kSolid: return {};
-    case NodeKind::kPaint:
-    case NodeKind::kDisplace: return children.first(1);
-    default: return children;
-  }
-}
 
 MaterialTable collect_materials(const Node& root) {
   using Visit = std::pair<const Node*, const Node*>;  // a node, and the innermost paint above it or null

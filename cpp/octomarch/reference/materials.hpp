@@ -2,7 +2,6 @@
 // the primitive it arrived at is made of.
 #pragma once
 
-#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -10,9 +9,6 @@
 #include "octomarch/graph/scene.hpp"
 
 namespace octomarch::reference {
-
-/// The children of a shape that are shapes; none of a primitive.
-std::span<const NodePtr> operand_shapes(const Node& shape);
 
 /// Distinct materials in order of first appearance over primitives, depth first, children from left to right.
 struct MaterialTable {

@@ -5,65 +5,34 @@
 #include <numbers>
 #include <vector>
 
+#include "octomarch/reference/lens.hpp"
 #include "octomarch/reference/shade.hpp"
 
 namespace octomarch::reference {
 namespace {
 
-/// Makes the ray through a point of each pixel; see Camera for the formulas.
-/// Rays are moved along as far as the site says.
-class Lens {
+/// Makes the ray through a point of each pixel, moved along as far as the site says.
+class MovedLens {
  public:
-  Lens(const Camera& camera, double width, double height, const Site& site, double min_distance)
-      : camera_(camera),
-        width_(width),
-        height_(height),
-        forward_(normalized(camera.target - camera.eye)),
-        right_(normalized(cross(forward_, camera.up))),
-        up_(cross(right_, forward_)),
-        half_height_(camera.kind == CameraKind::kPerspective ? std::tan(camera.fov * std::numbers::pi / 360.0)
-                                                             : 0.5 * camera.height),
-        lead_(camera.kind == CameraKind::kOrthographic ? parallel_lead_of(site, camera.eye, forward_, min_distance)
-                                                       : lead_of(site, camera.eye, min_distance)) {}
+  MovedLens(const Camera& camera, double width, double height, const Site& site, double min_distance)
+      : lens_(camera, width, height),
+        lead_(camera.kind == CameraKind::kOrthographic
+                  ? parallel_lead_of(site, camera.eye, lens_.forward(), min_distance)
+                  : lead_of(site, camera.eye, min_distance)) {}
 
   double lead() const { return lead_; }
 
   /// `x` and `y` count pixels from the upper left corner of the picture.
   template <class T>
   Ray<T> ray(double x, double y) const {
-    if (camera_.kind == CameraKind::kPanoramic) return panoramic<T>(x, y);
-    const double s = (2.0 * x / width_ - 1.0) * width_ / height_;
-    const double r = 1.0 - 2.0 * y / height_;
-    const Vec3 offset = (right_ * s + up_ * r) * half_height_;
-    const double pixel = half_height_ / height_;
-    if (camera_.kind == CameraKind::kOrthographic) return moved<T>(camera_.eye + offset, forward_, pixel, 0.0);
-    return moved<T>(camera_.eye, normalized(forward_ + offset), 0.0, pixel);
+    const PixelRay ray = lens_.ray(x, y);
+    const Vec3 start = lead_ > 0.0 ? ray.origin + ray.direction * lead_ : ray.origin;
+    return {vector<T>(start), vector<T>(ray.direction), T(ray.pixel_radius + ray.pixel_slope * lead_),
+            T(ray.pixel_slope), lead_};
   }
 
  private:
-  template <class T>
-  Ray<T> panoramic(double x, double y) const {
-    constexpr double kDegree = std::numbers::pi / 180.0;
-    const double longitude = (x / width_ - 0.5) * camera_.fov_across * kDegree;
-    const double latitude = (0.5 - y / height_) * camera_.fov * kDegree;
-    const Vec3 level = forward_ * std::cos(longitude) + right_ * std::sin(longitude);
-    const Vec3 direction = level * std::cos(latitude) + up_ * std::sin(latitude);
-    return moved<T>(camera_.eye, direction, 0.0, 0.5 * camera_.fov * kDegree / height_);
-  }
-
-  template <class T>
-  Ray<T> moved(const Vec3& origin, const Vec3& direction, double pixel_radius, double pixel_slope) const {
-    const Vec3 start = lead_ > 0.0 ? origin + direction * lead_ : origin;
-    return {vector<T>(start), vector<T>(direction), T(pixel_radius + pixel_slope * lead_), T(pixel_slope), lead_};
-  }
-
-  const Camera& camera_;
-  double width_;
-  double height_;
-  Vec3 forward_;
-  Vec3 right_;
-  Vec3 up_;
-  double half_height_;  // of the picture, at unit distance for perspective
+  Lens lens_;
   double lead_;
 };
 
@@ -71,7 +40,7 @@ class Lens {
 template <class T>
 class Pixels {
  public:
-  Pixels(Evaluator<T>& field, const Scene& scene, const Lens& lens, const MarchLimits<T>& limits,
+  Pixels(Evaluator<T>& field, const Scene& scene, const MovedLens& lens, const MarchLimits<T>& limits,
          const MarchLimits<T>& moved_limits, const Shading& shading, int samples, const Vec3& anchor)
       : field_(field),
         lens_(lens),
@@ -108,7 +77,7 @@ class Pixels {
 
  private:
   Evaluator<T>& field_;
-  const Lens& lens_;
+  const MovedLens& lens_;
   const MarchLimits<T>& limits_;  // of rays that the lens has moved
   const Vec3 anchor_;
   Shader<T> shader_;
@@ -135,7 +104,7 @@ void render(const NodePtr& root, const Scene& whole_scene, const Camera& whole_c
   const Scene scene = counted_from(anchor, whole_scene);
   const Camera camera = counted_from(anchor, whole_camera);
   Evaluator<T> field(root, poll, anchor);
-  const Lens lens(camera, extent.width, extent.height, site, march.min_distance);
+  const MovedLens lens(camera, extent.width, extent.height, site, march.min_distance);
   const MarchLimits<T> limits(march, compiled.lipschitz, site);
   MarchLimits<T> moved_limits = limits;
   moved_limits.move(march, site, lens.lead(), march.max_distance);

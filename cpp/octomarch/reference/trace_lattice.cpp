@@ -1,0 +1,194 @@
+// Within a cell both are polynomials, and are bounded by blends of what the corners say; over many cells by what holds for
+// all. Both are continuous, so over a few cells each counts for the part that lies in it.
+#include "octomarch/reference/trace_lattice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+
+#include "octomarch/graph/expression_bounds.hpp"
+#include "octomarch/reference/noise.hpp"
+#include "octomarch/reference/texel.hpp"
+
+namespace octomarch::reference {
+namespace {
+
+constexpr double kMostCells = 8.0;
+/// Farther out the lattice is not looked at: its hash is exact as long as whole numbers are.
+constexpr double kFarthestCell = 0x1p30;
+
+/// Values, and partial derivatives by as many numbers as there are axes.
+template <std::size_t axes>
+struct Range {
+  Interval value;
+  std::array<Interval, axes> slopes;
+};
+
+template <std::size_t axes>
+Range<axes> hull(const Range<axes>& a, const Range<axes>& b) {
+  Range<axes> result{hull(a.value, b.value), {}};
+  for (std::size_t axis = 0; axis < axes; ++axis) result.slopes[axis] = hull(a.slopes[axis], b.slopes[axis]);
+  return result;
+}
+
+/// A blend between two sides along `axis`, `share` of it of the high side, whose derivative is `steepness`.
+template <std::size_t axes>
+Range<axes> between(const Range<axes>& low, const Range<axes>& high, const Interval& share, const Interval& steepness,
+                    std::size_t axis) {
+  Range<axes> result{blend(low.value, high.value, share), {}};
+  for (std::size_t i = 0; i < axes; ++i) result.slopes[i] = blend(low.slopes[i], high.slopes[i], share);
+  result.slopes[axis] = result.slopes[axis] + steepness * (high.value - low.value);
+  return result;
+}
+
+template <std::size_t axes>
+using Cell = std::array<double, axes>;
+
+/// Where in a cell those numbers lie that are in it, from 0 to 1.
+Interval within(double cell, const Interval& x) {
+  const Interval place = x - Interval(cell);
+  return {std::clamp(place.lo(), 0.0, 1.0), std::clamp(place.hi(), 0.0, 1.0)};
+}
+
+/// The hull of in_cell(cell) over all cells that the numbers lie in; nothing where those are too many or too far.
+template <std::size_t axes, class InCell>
+std::optional<Range<axes>> over_cells(const std::array<Interval, axes>& x, const InCell& in_cell) {
+  Cell<axes> first;
+  double count = 1.0;
+  for (std::size_t axis = 0; axis < axes; ++axis) {
+    first[axis] = std::floor(x[axis].lo());
+    count *= std::floor(x[axis].hi()) - first[axis] + 1.0;
+    if (!(x[axis].magnitude() < kFarthestCell && count <= kMostCells)) return std::nullopt;
+  }
+  std::optional<Range<axes>> result;
+  Cell<axes> cell = first;
+  for (std::size_t axis = 0; axis < axes;) {
+    const Range<axes> range = in_cell(cell);
+    result = result ? hull(*result, range) : range;
+    for (axis = 0; axis < axes && ++cell[axis] > x[axis].hi(); ++axis) cell[axis] = first[axis];
+  }
+  return result;
+}
+
+/// A trace of a function of some numbers from its ranges over intervals of them, and no faster than `most`.
+template <class RangeOver, class... Operands>
+Trace traced(const RangeOver& range, double most, const Operands&... x) {
+  const auto over = range(x.over...);
+  Interval rise;
+  std::size_t axis = 0;
+  ((rise = rise + over.slopes[axis++] * x.rise), ...);
+  const bool is_undefined = (x.is_undefined || ...);
+  return no_faster({over.value, range(x.first...).value, range(x.last...).value, rise, false, is_undefined}, most);
+}
+
+/// 6t⁵ − 15t⁴ + 10t³, which grows from 0 to 1.
+Interval fade(const Interval& t) {
+  const auto at = [](const Interval& x) { return x * x * x * (x * (x * 6.0 - 15.0) + 10.0); };
+  return {std::max(at(t.lo()).lo(), 0.0), std::min(at(t.hi()).hi(), 1.0)};
+}
+
+/// Its derivative 30t²(1 − t)².
+Interval steepness(const Interval& t) { return Interval(30.0) * square(Interval(0.25) - square(t - Interval(0.5))); }
+
+Range<3> noise_in_cell(const Cell<3>& cell, const std::array<Interval, 3>& x, double seed) {
+  std::array<Interval, 3> t;
+  for (std::size_t axis = 0; axis < 3; ++axis) t[axis] = within(cell[axis], x[axis]);
+  std::array<Range<3>, 8> corners;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const std::array<double, 3> offset{static_cast<double>(corner & 1U), static_cast<double>((corner >> 1U) & 1U),
+                                       static_cast<double>(corner >> 2U)};
+    const Vector<double> slope =
+        lattice_slope(Vector<double>(cell[0] + offset[0], cell[1] + offset[1], cell[2] + offset[2]), seed);
+    corners[corner] = {0.0, {slope.x, slope.y, slope.z}};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      corners[corner].value =
+          corners[corner].value + corners[corner].slopes[axis] * (t[axis] - Interval(offset[axis]));
+    }
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const std::size_t count = 4U >> axis;
+    for (std::size_t i = 0; i < count; ++i) {
+      corners[i] = between(corners[2 * i], corners[2 * i + 1], fade(t[axis]), steepness(t[axis]), axis);
+    }
+  }
+  return corners[0];
+}
+
+Range<3> noise_over(const std::array<Interval, 3>& x, double seed) {
+  const Interval slope{-kNoiseSlope, kNoiseSlope};
+  auto range = over_cells<3>(x, [&](const Cell<3>& cell) { return noise_in_cell(cell, x, seed); })
+                   .value_or(Range<3>{Interval::whole(), {slope, slope, slope}});
+  range.value = overlap(range.value, {-kNoiseValue, kNoiseValue});
+  return range;
+}
+
+/// A channel of an image by column and row, counted from the centre of the first texel.
+class Channel {
+ public:
+  explicit Channel(const Node& node)
+      : image_(node.child(0)),
+        channel_(static_cast<std::size_t>(node.parameter(0))),
+        repeats_{node.parameter(1) != 0.0, node.parameter(1) == 1.0},
+        size_{image_.parameter(0), image_.parameter(1)} {}
+
+  double width() const { return size_[0]; }
+  double height() const { return size_[1]; }
+
+  Range<2> over(const Interval& column, const Interval& row) const {
+    const std::array<Interval, 2> x{column, row};
+    const auto few = over_cells<2>(x, [&](const Cell<2>& cell) { return in_cell(cell, x); });
+    return few ? *few : anywhere();
+  }
+
+ private:
+  double at(double column, double row) const {
+    const auto width = static_cast<std::size_t>(size_[0]);
+    const std::size_t j = wrapped(row, static_cast<std::size_t>(size_[1]), repeats_[1]);
+    const std::size_t i = wrapped(column, width, repeats_[0]);
+    return static_cast<double>(image_.texels()[3 * (j * width + i) + channel_]);
+  }
+
+  Range<2> in_cell(const Cell<2>& cell, const std::array<Interval, 2>& x) const {
+    const auto row = [&](double j) {
+      const Range<2> left{at(cell[0], cell[1] + j), {}};
+      const Range<2> right{at(cell[0] + 1.0, cell[1] + j), {}};
+      return between(left, right, within(cell[0], x[0]), 1.0, 0);
+    };
+    return between(row(0.0), row(1.0), within(cell[1], x[1]), 1.0, 1);
+  }
+
+  Range<2> anywhere() const {
+    Interval value = at(0.0, 0.0);
+    for (double row = 0.0; row < size_[1]; ++row) {
+      for (double column = 0.0; column < size_[0]; ++column) value = octomarch::hull(value, at(column, row));
+    }
+    const Interval slope = value - value;
+    return {value, {slope, slope}};
+  }
+
+  const Node& image_;
+  std::size_t channel_;
+  std::array<bool, 2> repeats_;
+  std::array<double, 2> size_;
+};
+
+}  // namespace
+
+Trace noise(const Node& node, const PointTrace& p) {
+  const double seed = std::fmod(node.parameter(0), 289.0);
+  const auto range = [seed](const Interval& x, const Interval& y, const Interval& z) {
+    return noise_over({x, y, z}, seed);
+  };
+  return traced(range, rounding::multiply<true>(kNoiseSlope, speed(p)), p[0], p[1], p[2]);
+}
+
+Trace texel(const Node& node, const Trace& u, const Trace& v) {
+  const Channel channel(node);
+  const Trace column = u * channel.width() - 0.5;
+  const Trace row = (constant(1.0) - v) * channel.height() - 0.5;
+  const auto range = [&channel](const Interval& i, const Interval& j) { return channel.over(i, j); };
+  return traced(range, kInfinity, column, row);
+}
+
+}  // namespace octomarch::reference
