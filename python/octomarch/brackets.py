@@ -42,8 +42,8 @@ class Verdict(IntEnum):
     MISS = 1
     """The field is positive all along the ray."""
     UNDECIDED = 2
-    """The field is positive before t_lo, and more could not be proven: the ray may only touch the surface, the field may
-    be no number there, or the evaluations are spent. t_hi is +inf where no point with a field ≤ 0 was found."""
+    """The field is positive before t_lo, and more could not be proven: the ray may only touch the surface, the field
+    may be no number there, or the evaluations are spent. t_hi is +inf where no point with a field ≤ 0 was found."""
     INSIDE = 3
     """The field is ≤ 0 where the ray starts."""
     INVALID = 4
@@ -85,8 +85,8 @@ def certified(
 
     A hit is the first t at which the field is ≤ 0: before ``t_lo`` it is proven to be positive, at ``t_hi`` to be ≤ 0,
     and ``t_hi - t_lo`` is at most `tolerance` times ``t_hi``. That holds for the field over real numbers that the nodes
-    describe: every operation is bounded by interval arithmetic with outward rounding [1]_, along with its rate of change
-    along the ray, and pieces of the ray are cut until their bounds decide. No Lipschitz bound is believed.
+    describe: every operation is bounded by interval arithmetic with outward rounding [1]_, along with its rate of
+    change along the ray, and pieces of the ray are cut until their bounds decide. No Lipschitz bound is believed.
 
     Parameters
     ----------

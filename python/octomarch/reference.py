@@ -5,7 +5,8 @@ and packets of rays behind `Shape.distance` and `octomarch.render`: where the tw
 From the program it takes the Lipschitz bound, and where and how large the scene is. It runs on one thread; Ctrl-C stops
 it.
 
-`certified` and `certified_picture` go farther: they prove where rays first meet a shape, by intervals in place of steps.
+`certified` and `certified_picture` go farther, on all cores: they prove where rays first meet a shape, by intervals in
+place of steps.
 """
 
 from __future__ import annotations

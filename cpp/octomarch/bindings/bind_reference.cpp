@@ -138,8 +138,8 @@ py::dict certified_picture(const NodePtr& node, const Camera& camera, std::uint3
   const reference::Brackets brackets = brackets_in(results);
   {
     const py::gil_scoped_release release;
-    reference::certified_picture(node, camera, width, height, window,
-                                 {t_min, max_distance, tolerance, max_evaluations}, threads, brackets, check_signals);
+    reference::certified_picture(node, camera, width, height, window, {t_min, max_distance, tolerance, max_evaluations},
+                                 threads, brackets, check_signals);
   }
   return results.take();
 }

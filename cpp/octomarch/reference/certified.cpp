@@ -5,7 +5,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <functional>
+#include <optional>
+#include <vector>
 
 #include "octomarch/base/parallel.hpp"
 #include "octomarch/reference/lens.hpp"
@@ -136,16 +139,20 @@ class Search {
 };
 
 /// What a worker throws when others have been stopped; nobody sees it.
-struct Stopped {};
+struct Stopped : std::exception {};
 
 /// Fills `brackets` with first roots along line_of(i).
 void search_all(const NodePtr& root, const std::function<Line(std::size_t)>& line_of, const SearchLimits& limits,
                 unsigned threads, const Brackets& brackets, const Poll& poll) {
   const std::size_t rays = brackets.verdict.size();
-  const auto search_some = [&](std::size_t task, std::size_t, const bool& cancelled) {
-    FieldTracer field(root, [&cancelled] {
+  const unsigned workers = thread_count(threads);
+  std::vector<std::optional<FieldTracer>> tracers(workers);
+  const auto search_some = [&](std::size_t task, std::size_t worker, const bool& cancelled) {
+    const auto stop_if_cancelled = [&cancelled] {
       if (is_set(cancelled)) throw Stopped{};
-    });
+    };
+    if (!tracers[worker]) tracers[worker].emplace(root, stop_if_cancelled);
+    FieldTracer& field = *tracers[worker];
     const std::size_t end = std::min((task + 1) * kRaysPerTask, rays);
     for (std::size_t i = task * kRaysPerTask; i < end; ++i) {
       const Bracket bracket = first_root(field, line_of(i), limits);
@@ -154,7 +161,7 @@ void search_all(const NodePtr& root, const std::function<Line(std::size_t)>& lin
       brackets.verdict[i] = static_cast<std::uint8_t>(bracket.verdict);
     }
   };
-  parallel_for((rays + kRaysPerTask - 1) / kRaysPerTask, thread_count(threads), search_some, {poll, {}});
+  parallel_for((rays + kRaysPerTask - 1) / kRaysPerTask, workers, search_some, {poll, {}});
 }
 
 Vec3 triple(std::span<const double> values, std::size_t i) {
@@ -192,9 +199,10 @@ void certified_picture(const NodePtr& root, const Camera& camera, std::uint32_t 
                        const Poll& poll) {
   const Lens lens(camera, width, height);
   const auto line_of = [&](std::size_t i) {
-    const auto column = static_cast<double>(crop.x + i % crop.width);
-    const auto row = static_cast<double>(crop.y + i / crop.width);
-    const PixelRay ray = lens.ray(column + 0.5, row + 0.5);
+    const std::size_t row = i / crop.width;
+    const std::size_t column = i % crop.width;
+    const PixelRay ray =
+        lens.ray(static_cast<double>(crop.x + column) + 0.5, static_cast<double>(crop.y + row) + 0.5);
     return Line{ray.origin, ray.direction};
   };
   search_all(root, line_of, limits, threads, brackets, poll);

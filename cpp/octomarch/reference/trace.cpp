@@ -33,12 +33,12 @@ Interval over_positive(const Interval& a, const Interval& b) {
   using rounding::divide;
   const double low = a.lo() >= 0.0 ? b.hi() : b.lo();
   const double high = a.hi() > 0.0 ? b.lo() : b.hi();
-  return {a.lo() == 0.0  ? 0.0
-          : low == 0.0   ? -kInfinity
-                         : divide<false>(a.lo(), low),
-          a.hi() == 0.0  ? 0.0
-          : high == 0.0  ? kInfinity
-                         : divide<true>(a.hi(), high)};
+  return {a.lo() == 0.0 ? 0.0
+          : low == 0.0  ? -kInfinity
+                        : divide<false>(a.lo(), low),
+          a.hi() == 0.0 ? 0.0
+          : high == 0.0 ? kInfinity
+                        : divide<true>(a.hi(), high)};
 }
 
 /// v·v′, half the rate of ‖v‖². Where v goes straight it only grows.
@@ -113,7 +113,8 @@ Trace operator*(const Trace& a, const Interval& factor) {
 Trace operator/(const Trace& a, const Trace& b) {
   if (b.over.contains(0.0)) return undefined();
   const Interval quotient = a.over / b.over;
-  return mapped([](const Interval& x, const Interval& y) { return x / y; }, (a.rise - quotient * b.rise) / b.over, a, b);
+  return mapped([](const Interval& x, const Interval& y) { return x / y; }, (a.rise - quotient * b.rise) / b.over, a,
+                b);
 }
 
 Trace operator/(const Trace& a, const Interval& divisor) {

@@ -15,12 +15,12 @@
 namespace octomarch::reference {
 
 struct Trace {
-  Interval over;               ///< all its values
-  Interval first;              ///< its value at s = 0
-  Interval last;               ///< at s = 1
-  Interval rise;               ///< all (f(b) − f(a))/(b − a) there are; whole() where it may jump
-  bool is_straight = false;    ///< is it known to be affine in s?
-  bool is_undefined = false;   ///< may it be no number somewhere? Then the rest says nothing
+  Interval over;              ///< all its values
+  Interval first;             ///< its value at s = 0
+  Interval last;              ///< at s = 1
+  Interval rise;              ///< all (f(b) − f(a))/(b − a) there are; whole() where it may jump
+  bool is_straight = false;   ///< is it known to be affine in s?
+  bool is_undefined = false;  ///< may it be no number somewhere? Then the rest says nothing
 
   friend bool operator==(const Trace&, const Trace&) = default;
 };

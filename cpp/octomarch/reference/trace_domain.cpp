@@ -136,7 +136,7 @@ Copies::Use Copies::Row::use(std::size_t i, Part part) const {
   const Gaps& gaps = gaps_[static_cast<std::size_t>(part)];
   bool is_used = false;
   bool is_left_out = false;
-  for (double gap = gaps.first; gap <= gaps.last; ++gap) {
+  for (const double gap : {gaps.first, gaps.last}) {  // there is none between
     const bool borders = number == existing(gap) || number == existing(gap + 1.0);
     (borders ? is_used : is_left_out) = true;
   }

@@ -56,7 +56,7 @@ class Copies {
     double period_;  // 0: one copy, where the child is
     double shift_;
     double limit_;
-    bool is_known_ = true;  // which copies are looked at?
+    bool is_known_ = true;        // which copies are looked at?
     std::array<Gaps, 3> gaps_{};  // over the parts
     double lowest_ = 0.0;
     double highest_ = 0.0;

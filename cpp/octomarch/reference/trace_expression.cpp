@@ -22,6 +22,7 @@ Trace jumping(const Interval& over, const Interval& first, const Interval& last)
 /// Is the function no number for some x in the interval?
 bool may_be_undefined(NodeKind kind, const Interval& x) {
   if (kind == NodeKind::kSquareRoot || kind == NodeKind::kLogarithm) return x.lo() < 0.0;
+  if (kind == NodeKind::kTangent) return tan(x) == Interval::whole();  // a pole
   if (kind == NodeKind::kArcSine || kind == NodeKind::kArcCosine) return x.lo() < -1.0 || x.hi() > 1.0;
   return false;
 }
@@ -145,12 +146,19 @@ Trace coordinate(std::size_t index, const PointTrace& p) {
 
 }  // namespace
 
+TracedExpression::TracedExpression(const Node& root) : steps_(steps_of(root)), results_(steps_.size()) {
+  for (const Step& step : steps_) {
+    ranges_.push_back(step.node->kind() == NodeKind::kTexel ? channel_range(*step.node) : Interval());
+  }
+}
+
 const Trace& TracedExpression::along(const PointTrace& p) {
-  for (std::size_t i = 0; i < steps_.size(); ++i) results_[i] = result(steps_[i], p);
+  for (std::size_t i = 0; i < steps_.size(); ++i) results_[i] = result(i, p);
   return results_.back();
 }
 
-Trace TracedExpression::result(const Step& step, const PointTrace& p) const {
+Trace TracedExpression::result(std::size_t i, const PointTrace& p) const {
+  const Step& step = steps_[i];
   const Node& node = *step.node;
   const auto operand = [&](std::size_t number) -> const Trace& { return results_[step.operands[number]]; };
   switch (node.kind()) {
@@ -158,7 +166,7 @@ Trace TracedExpression::result(const Step& step, const PointTrace& p) const {
     case NodeKind::kConstant: return constant(node.parameter(0));
     case NodeKind::kWhere: return where(operand(0), operand(1), operand(2));
     case NodeKind::kNoise: return noise(node, {operand(0), operand(1), operand(2)});
-    case NodeKind::kTexel: return texel(node, operand(0), operand(1));
+    case NodeKind::kTexel: return texel(node, ranges_[i], operand(0), operand(1));
     case NodeKind::kMultiply:
       if (step.operands[0] == step.operands[1]) return square(operand(0));
       break;

@@ -14,7 +14,7 @@ namespace octomarch::reference {
 class TracedExpression {
  public:
   /// Contract: `root` is an expression, and outlives this.
-  explicit TracedExpression(const Node& root) : steps_(steps_of(root)), results_(steps_.size()) {}
+  explicit TracedExpression(const Node& root);
 
   /// Undefined where it may be no number: by division by 0, or by functions outside of their range.
   const Trace& along(const PointTrace& p);
@@ -22,9 +22,10 @@ class TracedExpression {
   std::size_t size() const { return steps_.size(); }
 
  private:
-  Trace result(const Step& step, const PointTrace& p) const;
+  Trace result(std::size_t i, const PointTrace& p) const;
 
   std::vector<Step> steps_;
+  std::vector<Interval> ranges_;  // of images, for the steps that look into one
   std::vector<Trace> results_;
 };
 

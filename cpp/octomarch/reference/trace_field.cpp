@@ -34,7 +34,11 @@ Trace solid(const Trace& truth) {
 Trace scaled(const Trace& a, double factor, bool may_be_solid) {
   const Trace result = a * factor;
   if (!may_be_solid || factor == 1.0) return result;
-  return {hull(a.over, result.over), hull(a.first, result.first), hull(a.last, result.last), Interval::whole(), false,
+  return {hull(a.over, result.over),
+          hull(a.first, result.first),
+          hull(a.last, result.last),
+          Interval::whole(),
+          false,
           a.is_undefined};
 }
 
@@ -120,8 +124,7 @@ bool FieldTracer::descend() {
   const std::size_t visits = parent.repeat ? parent.repeat->copies.size() : shapes.size();
   if (parent.visits == visits) return false;
   const Node& child = *shapes[parent.repeat ? 0 : parent.visits];
-  const PointTrace p =
-      parent.repeat ? parent.repeat->copies.point(parent.visits) : child_trace(*parent.node, parent.p);
+  const PointTrace p = parent.repeat ? parent.repeat->copies.point(parent.visits) : child_trace(*parent.node, parent.p);
   ++parent.visits;
   if (shared_.contains(&child)) {
     if (const auto known = known_.find({&child, p}); known != known_.end()) {

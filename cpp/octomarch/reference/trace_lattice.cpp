@@ -102,8 +102,7 @@ Range<3> noise_in_cell(const Cell<3>& cell, const std::array<Interval, 3>& x, do
         lattice_slope(Vector<double>(cell[0] + offset[0], cell[1] + offset[1], cell[2] + offset[2]), seed);
     corners[corner] = {0.0, {slope.x, slope.y, slope.z}};
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      corners[corner].value =
-          corners[corner].value + corners[corner].slopes[axis] * (t[axis] - Interval(offset[axis]));
+      corners[corner].value = corners[corner].value + corners[corner].slopes[axis] * (t[axis] - Interval(offset[axis]));
     }
   }
   for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -117,8 +116,9 @@ Range<3> noise_in_cell(const Cell<3>& cell, const std::array<Interval, 3>& x, do
 
 Range<3> noise_over(const std::array<Interval, 3>& x, double seed) {
   const Interval slope{-kNoiseSlope, kNoiseSlope};
-  auto range = over_cells<3>(x, [&](const Cell<3>& cell) { return noise_in_cell(cell, x, seed); })
-                   .value_or(Range<3>{Interval::whole(), {slope, slope, slope}});
+  auto range = over_cells<3>(x, [&](const Cell<3>& cell) {
+                 return noise_in_cell(cell, x, seed);
+               }).value_or(Range<3>{Interval::whole(), {slope, slope, slope}});
   range.value = overlap(range.value, {-kNoiseValue, kNoiseValue});
   return range;
 }
@@ -126,8 +126,10 @@ Range<3> noise_over(const std::array<Interval, 3>& x, double seed) {
 /// A channel of an image by column and row, counted from the centre of the first texel.
 class Channel {
  public:
-  explicit Channel(const Node& node)
-      : image_(node.child(0)),
+  /// `anywhere`: what its texels lie in.
+  Channel(const Node& node, const Interval& anywhere)
+      : anywhere_(anywhere),
+        image_(node.child(0)),
         channel_(static_cast<std::size_t>(node.parameter(0))),
         repeats_{node.parameter(1) != 0.0, node.parameter(1) == 1.0},
         size_{image_.parameter(0), image_.parameter(1)} {}
@@ -138,7 +140,8 @@ class Channel {
   Range<2> over(const Interval& column, const Interval& row) const {
     const std::array<Interval, 2> x{column, row};
     const auto few = over_cells<2>(x, [&](const Cell<2>& cell) { return in_cell(cell, x); });
-    return few ? *few : anywhere();
+    const Interval slope = anywhere_ - anywhere_;
+    return few ? *few : Range<2>{anywhere_, {slope, slope}};
   }
 
  private:
@@ -158,15 +161,7 @@ class Channel {
     return between(row(0.0), row(1.0), within(cell[1], x[1]), 1.0, 1);
   }
 
-  Range<2> anywhere() const {
-    Interval value = at(0.0, 0.0);
-    for (double row = 0.0; row < size_[1]; ++row) {
-      for (double column = 0.0; column < size_[0]; ++column) value = octomarch::hull(value, at(column, row));
-    }
-    const Interval slope = value - value;
-    return {value, {slope, slope}};
-  }
-
+  Interval anywhere_;
   const Node& image_;
   std::size_t channel_;
   std::array<bool, 2> repeats_;
@@ -183,8 +178,18 @@ Trace noise(const Node& node, const PointTrace& p) {
   return traced(range, rounding::multiply<true>(kNoiseSlope, speed(p)), p[0], p[1], p[2]);
 }
 
-Trace texel(const Node& node, const Trace& u, const Trace& v) {
-  const Channel channel(node);
+Interval channel_range(const Node& node) {
+  const std::span<const float> texels = node.child(0).texels();
+  const auto channel = static_cast<std::size_t>(node.parameter(0));
+  Interval range = static_cast<double>(texels[channel]);
+  for (std::size_t i = channel; i < texels.size(); i += 3) {
+    range = octomarch::hull(range, static_cast<double>(texels[i]));
+  }
+  return range;
+}
+
+Trace texel(const Node& node, const Interval& anywhere, const Trace& u, const Trace& v) {
+  const Channel channel(node, anywhere);
   const Trace column = u * channel.width() - 0.5;
   const Trace row = (constant(1.0) - v) * channel.height() - 0.5;
   const auto range = [&channel](const Interval& i, const Interval& j) { return channel.over(i, j); };

@@ -8,7 +8,9 @@ namespace octomarch::reference {
 
 /// Contract: `node` is a kNoise.
 Trace noise(const Node& node, const PointTrace& p);
-/// Contract: `node` is a kTexel.
-Trace texel(const Node& node, const Trace& u, const Trace& v);
+/// All values of a kTexel's channel. O(texels).
+Interval channel_range(const Node& node);
+/// Contract: `node` is a kTexel; `anywhere` is its channel_range().
+Trace texel(const Node& node, const Interval& anywhere, const Trace& u, const Trace& v);
 
 }  // namespace octomarch::reference

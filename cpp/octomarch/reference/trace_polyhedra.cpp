@@ -65,9 +65,8 @@ Trace distance_to(const Face& face) {
 /// The face whose plane is the distance along all of the piece: it is over no other.
 const Face* only_face(std::span<const Face> faces) {
   for (const Face& face : faces) {
-    const bool is_highest = std::ranges::all_of(faces, [&face](const Face& other) {
-      return &other == &face || other.plane.over.hi() <= face.plane.over.lo();
-    });
+    const bool is_highest = std::ranges::all_of(
+        faces, [&face](const Face& other) { return &other == &face || other.plane.over.hi() <= face.plane.over.lo(); });
     if (is_highest && face.beside.over.lo() >= 0.0) return &face;
   }
   return nullptr;
@@ -100,7 +99,10 @@ Trace octahedron_trace(const PointTrace& p, double radius) {
 }
 
 Trace pyramid_trace(const PointTrace& p, double e, double h) {
-  if (e == 0.0 && h == 0.0) return length(p);
+  // a segment or a square, to whose sides no plane of a face says where it ends
+  if (e == 0.0 || h == 0.0) {
+    return length(std::array{max(abs(p[0]) - e, 0.0), max(abs(p[1]) - h, 0.0), max(abs(p[2]) - e, 0.0)});
+  }
   const PointTrace folded{abs(p[0]), p[1], abs(p[2])};
   const Corner apex{0.0, h, 0.0};
   const Corner corner{e, -h, e};
