@@ -74,6 +74,7 @@ WORK = {
     "a large field": (WAVES, "shape.distance(np.zeros((10**7, 3)))"),
     "a large gradient": (WAVES, "shape.gradient(np.zeros((10**7, 3)))"),
     "many rays": (LARGE, "shape.raycast(np.full((10**6, 3), 3.0), np.full((10**6, 3), -1.0))"),
+    "certified rays": (LARGE, "om.reference.certified(shape, np.full((10**6, 3), 3.0), np.full((10**6, 3), -1.0))"),
 }
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Prepares the machine for the Makefile: Python's headers, GLM and ccache ("build"), doctest ("test") or the LLVM that
-# Dr.Jit works with ("peers") through apt where they are missing and apt may be used, then, for "build", the virtual
-# environment .venv. Says what to do where it may not. Called as: setup.sh PYTHON build|test|peers
+# Prepares the machine for the Makefile: Python's headers, GLM and ccache ("build"), doctest and POV-Ray ("test") or the
+# LLVM that Dr.Jit works with ("peers") through apt where they are missing and apt may be used, then, for "build", the
+# virtual environment .venv. Says what to do where it may not. Called as: setup.sh PYTHON build|test|peers
 set -euo pipefail
 python=$1
 stage=$2
@@ -21,6 +21,7 @@ missing_packages() {
     command -v ccache > /dev/null || echo ccache
   elif [ "$stage" = test ]; then
     has_header doctest/doctest.h || echo doctest-dev
+    command -v povray > /dev/null || echo povray
   else
     compgen -G '/usr/lib/*/libLLVM-19.so' > /dev/null || echo libllvm19
   fi
@@ -58,6 +59,7 @@ for package in $(missing_packages); do
     python3-venv) ;;  # pip makes up for it below
     libglm-dev) echo "GLM is missing: CMake will download it. To avoid that: apt-get install libglm-dev" >&2 ;;
     doctest-dev) echo "doctest is missing: CMake will download it. To avoid that: apt-get install doctest-dev" >&2 ;;
+    povray) echo "POV-Ray is missing: tests against it will be skipped. To run them: apt-get install povray" >&2 ;;
     libllvm19) echo "libllvm19 is missing: Dr.Jit will be reported as failed, or work with another LLVM." >&2 ;;
     ccache) echo "ccache is missing: builds from scratch will take longer." >&2 ;;
   esac
