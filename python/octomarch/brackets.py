@@ -98,7 +98,7 @@ def certified(
         Where rays start, ≥ 0.
     max_distance : float, optional
         Where they end, in scene units from the origin, > 0; +inf searches to 1e150. None: as far as
-        `Shape.raycast` goes (see `March`), which is beyond the whole of a bounded shape.
+        `octomarch.Shape.raycast` goes (see `octomarch.March`), which is beyond the whole of a bounded shape.
     tolerance : float
         Of hits, relative; in [1e-14, 1).
     max_evaluations : int
