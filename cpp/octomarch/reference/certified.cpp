@@ -201,8 +201,7 @@ void certified_picture(const NodePtr& root, const Camera& camera, std::uint32_t 
   const auto line_of = [&](std::size_t i) {
     const std::size_t row = i / crop.width;
     const std::size_t column = i % crop.width;
-    const PixelRay ray =
-        lens.ray(static_cast<double>(crop.x + column) + 0.5, static_cast<double>(crop.y + row) + 0.5);
+    const PixelRay ray = lens.ray(static_cast<double>(crop.x + column) + 0.5, static_cast<double>(crop.y + row) + 0.5);
     return Line{ray.origin, ray.direction};
   };
   search_all(root, line_of, limits, threads, brackets, poll);

@@ -1,8 +1,6 @@
 // Camera rays and the loop over pixels; see render.hpp.
 #include "octomarch/reference/render.hpp"
 
-#include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "octomarch/reference/lens.hpp"
