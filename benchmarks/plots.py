@@ -15,7 +15,7 @@ import peer_tables
 
 # Equal results give equal files: no date, and names that do not depend on chance.
 mpl.use("svg")
-STYLE = {
+STYLE: Any = {
     "svg.hashsalt": "octomarch",
     "svg.fonttype": "path",
     "font.size": 9,

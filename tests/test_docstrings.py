@@ -11,9 +11,9 @@ import pytest
 import octomarch as om
 
 MODULES = sorted(
-    f"octomarch.{module.name}"
-    for module in pkgutil.iter_modules(om.__path__)
-    if module.name not in ("_core", "__main__")
+    module.name
+    for module in pkgutil.walk_packages(om.__path__, "octomarch.")
+    if module.name not in ("octomarch._core", "octomarch.__main__")
 )
 PUBLIC = [name for name in om.__all__ if callable(getattr(om, name)) and name != "SceneError"]
 

@@ -70,6 +70,7 @@ from octomarch.solids import (
     pyramid,
     triangular_prism,
 )
+from octomarch.study import Measured, Study, StudyRow, StudyTable, study
 from octomarch.surfaces import diamond, gyroid, schwarz_p
 from octomarch.textures import Texture, checker, image_texture, noise_texture, stripes
 
@@ -87,6 +88,7 @@ __all__ = [
     "Image",
     "March",
     "Material",
+    "Measured",
     "OrthographicCamera",
     "PanoramicCamera",
     "PointLight",
@@ -99,6 +101,9 @@ __all__ = [
     "Sky",
     "SpotLight",
     "Status",
+    "Study",
+    "StudyRow",
+    "StudyTable",
     "Texture",
     "__version__",
     "absolute",
@@ -173,6 +178,7 @@ __all__ = [
     "sqrt",
     "star",
     "stripes",
+    "study",
     "tan",
     "torus",
     "triangular_prism",

@@ -1,4 +1,4 @@
-"""The command ``octomarch``: demo, info, listing and render."""
+"""The command ``octomarch``: demo, info, listing, render and study."""
 
 from __future__ import annotations
 
@@ -18,6 +18,8 @@ from octomarch.demo import DEMOS
 from octomarch.machine import resolve_isa
 from octomarch.planes import PLANES
 from octomarch.scenefile import read
+from octomarch.study.settings import GROUPS
+from octomarch.study.truth import TRUTH_KINDS
 
 _NAMES = ("shot", "scene", "shape")  # looked for in Python files
 
@@ -67,6 +69,28 @@ def _parser() -> argparse.ArgumentParser:
     _add_execution(render)
     render.set_defaults(run=_render)
 
+    study = commands.add_parser(
+        "study", help="measure what settings cost in a scene, and how far each is from the truth"
+    )
+    _add_scene(study)
+    study.add_argument(
+        "-o", "--output", type=Path, default=Path("study.html"), metavar="OUT", help="report (default: study.html)"
+    )
+    study.add_argument("--size", type=_size, default=(160, 120), metavar="WxH", help="in pixels (default: 160x120)")
+    study.add_argument(
+        "--groups", type=_names, default=GROUPS, metavar="NAMES", help=f"of {','.join(GROUPS)} (default: all)"
+    )
+    study.add_argument("--truth", default="auto", choices=TRUTH_KINDS, help="how much of it to prove (default: auto)")
+    study.add_argument(
+        "--far", type=float, metavar="T", help="far limit of the series (default: past all that is bounded)"
+    )
+    study.add_argument("--rounds", type=int, default=3, metavar="N", help="how often pictures are timed (default: 3)")
+    study.add_argument(
+        "--resume", type=Path, metavar="FILE", help="keeps what is measured, to go on after Ctrl-C (default: OUT.json)"
+    )
+    _add_execution(study)
+    study.set_defaults(run=_study)
+
     info = commands.add_parser("info", help="show instruction sets, threads, versions and build flags")
     info.set_defaults(run=_info)
 
@@ -100,7 +124,11 @@ def _size(text: str) -> tuple[int, int]:
 
 
 def _planes(text: str) -> tuple[str, ...]:
-    return tuple(PLANES) if text == "all" else tuple(text.split(","))
+    return tuple(PLANES) if text == "all" else _names(text)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(text.split(","))
 
 
 def _demo(options: argparse.Namespace) -> None:
@@ -128,6 +156,28 @@ def _render(options: argparse.Namespace) -> None:
         image = om.render(subject, **changes, **_execution(options))
     image.save(options.output)
     print(f"{options.output}: {_summary(image)}")
+
+
+def _study(options: argparse.Namespace) -> None:
+    if options.output.suffix.lower() != ".html":  # asked here too, before all the work
+        raise ValueError(f"OUT must end in .html, got '{options.output}'")
+    if not options.output.parent.is_dir():
+        raise FileNotFoundError(f"cannot write {options.output}: there is no directory {options.output.parent}")
+    subject = _scene(options.scene)
+    settings: dict[str, Any] = {}
+    if isinstance(subject, om.Shot):
+        settings = {name: getattr(subject, name) for name in ("camera", "march", "shading", "precision")}
+        subject = subject.scene
+    kept = options.resume or options.output.with_suffix(".json")
+    given = {name: getattr(options, name) for name in ("size", "groups", "truth", "far", "rounds")}
+    try:
+        found = om.study(subject, **settings, **given, resume=kept, **_execution(options))
+    except KeyboardInterrupt:
+        if kept.exists():
+            print(f"octomarch: {kept} has what is done; the same command goes on", file=sys.stderr)
+        raise
+    found.save(options.output)
+    print(f"{found}\n\n{options.output}: {len(found.table)} settings; {kept} has the numbers")
 
 
 def _execution(options: argparse.Namespace) -> dict[str, Any]:

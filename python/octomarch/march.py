@@ -8,16 +8,24 @@ from __future__ import annotations
 
 import math
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from enum import IntEnum
-from typing import Literal, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from octomarch import _core
 from octomarch import _validate as check
+from octomarch._validate import Precision
 from octomarch.program import Program
+
+if TYPE_CHECKING:
+    from octomarch.camera import AnyCamera
+    from octomarch.scene import Scene
+    from octomarch.shapes import Shape
+    from octomarch.study.search import Measured
 
 Method: TypeAlias = Literal["auto", "plain", "relaxed", "enhanced", "fixed"]
 _METHODS = ("auto", "plain", "relaxed", "enhanced", "fixed")
@@ -211,6 +219,89 @@ class March:
         if max_steps is None:
             max_steps = _STEPS if step is None else _steps_to_pass(max_distance - self.min_distance, step)
         return replace(self, method=method, epsilon=epsilon, max_distance=max_distance, step=step, max_steps=max_steps)
+
+    @classmethod
+    def for_error(
+        cls,
+        scene: Shape | Scene,
+        camera: AnyCamera | None = None,
+        p95: float = 1e-4,
+        misses: float = 0.0,
+        *,
+        false_hits: float = 1.0,
+        size: tuple[int, int] = (640, 480),
+        precision: Precision = "float32",
+        max_distance: float | None = None,
+        threads: int | None = None,
+        progress: bool | Callable[[int, int], None] | None = None,
+    ) -> March:
+        """Return the cheapest settings whose error is small enough, as measured on a sample of a picture.
+
+        Candidates differ in method, hit epsilon, finish and number of steps. They are rendered in 32 windows of 32×32
+        pixels spread over the picture, all of a small one, and held against the truth, as `octomarch.study` does. The
+        target has to be met with two standard errors to spare on one half of the windows, and to be met on the other
+        half too, so that it should hold for the rest of the picture. The cheapest are those with the fewest evaluations
+        of the field, which are the same on every machine.
+
+        Parameters
+        ----------
+        scene : Shape or Scene
+            What is seen; light has no say.
+        camera : Camera, OrthographicCamera or PanoramicCamera, optional
+            None: one that frames the bounded parts of the shape.
+        p95 : float
+            Error of depth in scene units, > 0, that 95 of 100 rays may not exceed, of those that meet a surface in the
+            picture or in truth. Rays that meet one in only one of the two are infinitely wrong; those that ran out of
+            steps count with their candidate.
+        misses : float
+            Share of the sample's rays that may miss a surface, 0 to 1: 0 for none.
+        false_hits : float
+            Share that may hit where nothing is, which large hit epsilons do along silhouettes.
+        size : (int, int)
+            Width and height of the picture in pixels, which the hit epsilon goes by.
+        precision : {"float32", "float64"}
+            Of the picture.
+        max_distance : float, optional
+            Of the settings, and of the truth.
+        threads
+            As for `octomarch.render`.
+        progress : bool or callable, optional
+            True shows a bar; a callable gets (families of candidates done, families in all).
+
+        Returns
+        -------
+        March
+            With what was measured of it as `measured`.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is of a wrong type or outside its range; if no candidate meets the target, saying how near
+            the nearest came, or the camera sees no surface.
+        SceneError
+            If the shape cannot be compiled.
+        KeyboardInterrupt
+            Ctrl-C stops the search at once.
+
+        Examples
+        --------
+        >>> import octomarch as om
+        >>> shape = om.sphere(1.0) - om.box(1.2)
+        >>> march = om.March.for_error(shape, size=(160, 120), p95=1e-3)
+        >>> march.measured.p95 <= 1e-3
+        True
+        >>> om.render(shape, size=(160, 120), march=march)
+        <Image 160×120: color>
+        """
+        from octomarch.study.search import march_for_error  # here, since it builds on this module
+
+        return march_for_error(scene, camera, p95, misses, false_hits, size, precision, max_distance, threads, progress)
+
+    @property
+    def measured(self) -> Measured | None:
+        """What `for_error` has measured of these settings; None for others, and for changed copies."""
+        found: Measured | None = self.__dict__.get("_measured")
+        return found
 
     def _native(self) -> _core.March:
         """Convert settings that `resolve` has filled."""

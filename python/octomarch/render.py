@@ -174,14 +174,16 @@ def _or_default(kind: type[Any], name: str, value: object) -> Any:
 
 
 @contextmanager
-def _reporting(progress: bool | Progress | None) -> Iterator[Progress | None]:
-    """Give what the native renderer calls with (tiles done, tiles in all)."""
+def _reporting(
+    progress: bool | Progress | None, title: str = "render", unit: str = " tiles"
+) -> Iterator[Progress | None]:
+    """Give what is called with how many units are done, and how many there are in all."""
     if progress is None or progress is False:
         yield None
     elif progress is True:
         import tqdm  # here, since most renders show no bar
 
-        with tqdm.tqdm(desc="render", unit=" tiles", leave=False) as bar:
+        with tqdm.tqdm(desc=title, unit=unit, leave=False) as bar:
 
             def report(done: int, total: int) -> None:
                 bar.total = total
