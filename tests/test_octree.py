@@ -155,7 +155,7 @@ def check_same(found: om.Image, expected: om.Image) -> None:
 
 
 def uses_octree(image: om.Image) -> bool:
-    return image.stats["cells"] > 0
+    return image.stats["cell_bytes"] > 0
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -317,12 +317,40 @@ def test_no_octree_where_there_is_no_use(shape: om.Shape, march: om.March):
 
 def test_cells_follow_what_is_seen():
     """A picture of many spheres has cells; one of its corner, fewer."""
-    shape = om.union(*balls(300))
-    whole = om.render(shape, CAMERAS["perspective"], (96, 72)).stats
-    corner = om.render(shape, CAMERAS["perspective"], (96, 72), crop=(0, 0, 8, 8)).stats
+    whole = om.render(om.union(*balls(300)), CAMERAS["perspective"], (96, 72)).stats
+    corner = om.render(om.union(*balls(300)), CAMERAS["perspective"], (96, 72), crop=(0, 0, 8, 8)).stats
     assert whole["cells"] > 100
     assert 0 < corner["cells"] < whole["cells"] / 2
     assert 0 < corner["cell_bytes"] < whole["cell_bytes"] < 2**24
+
+
+def test_cells_stay_with_the_shape():
+    """The same picture again makes few; one from so far away that they do not reach the eye makes its own."""
+    shape = om.union(*balls(300))
+    first = om.render(shape, CAMERAS["perspective"], (96, 72), threads=1)
+    again = om.render(shape, CAMERAS["perspective"], (96, 72), threads=1)
+    assert first.stats["cells"] > 100
+    assert again.stats["cells"] < first.stats["cells"] / 2
+    assert again.stats["cell_bytes"] >= first.stats["cell_bytes"]
+    np.testing.assert_array_equal(again.color, first.color)
+    march = om.March(max_distance=1000.0)
+    assert om.render(shape, om.Camera(eye=(0, 0, 500), target=(0, 0, 0)), (32, 24), march=march).stats["cells"] > 0
+
+
+def test_ids_and_materials_by_cells():
+    """Their programs are run in parts too, to the same bits: smooth and sharp seams, ids that are carved out."""
+    random = np.random.default_rng(5)
+    paints = [om.Material(color=tuple(random.uniform(0.1, 0.9, 3))) for _ in range(4)]
+    painted = [om.union(*balls(60)[k::4], smooth=0.05 * k).paint(paints[k]) for k in range(4)]
+    shape = om.union(*painted[:2], smooth=0.1) | (painted[2] - om.metaballs(*balls(40), k=0.001).paint(paints[3]))
+    planes = ("color", "object_id", "material_id")
+    parts, whole = (
+        om.render(shape, size=(96, 72), planes=planes, march=om.March(prune=prune)) for prune in (True, False)
+    )
+    assert parts.stats["cells"] > 0
+    assert len(np.unique(parts.material_id)) > 3
+    for plane in planes:
+        np.testing.assert_array_equal(getattr(parts, plane), getattr(whole, plane), plane)
 
 
 def test_prune_is_a_flag():

@@ -285,7 +285,7 @@ const Real* constants_of(const Tape& tape) {
 
 /// Runs code of a tape over points by the one-lane kernels; fills rows by register.
 template <class Real>
-class Runner {
+class Runner final : public Sampler<Real> {
  public:
   explicit Runner(const Tape& tape) : tape_(tape), memory_(4 * std::size_t{tape.registers} * kernels::kLanes) {
     for (const NodePtr& node : tape.images) {
@@ -320,6 +320,10 @@ class Runner {
       all.insert(all.end(), row->data(), row->data() + kPoints);
     }
     return all;
+  }
+
+  void compare(const TapePart& part, const SamplePoints<Real>& points, const Real* gaps, TakenAt* taken) override {
+    table().compare(view(part, part.code.size()), memory_.data(), {points.x, points.y, points.z}, gaps, taken);
   }
 
  private:
@@ -389,9 +393,10 @@ void check_ranges(const Tape& tape, const Region<Real>& region, const VectorBuff
 
 /// Prunes a part of a tape, and what is left in a part of the region, and so on; returns how much was dropped.
 template <class Real>
-std::size_t check_parts(const Tape& tape, Region<Real> region, bool is_distance, Random& random) {
-  Pruner<Real> pruner(tape);
+std::size_t check_parts(const Tape& tape, Region<Real> region, bool is_distance, bool by_samples, Random& random) {
   Runner<Real> runner(tape);
+  const std::vector<Margin> margins = margins_of(tape, region);
+  Pruner<Real> pruner = by_samples ? Pruner<Real>(tape, margins, runner) : Pruner<Real>(tape);
   const TapePart whole = whole_of(tape);
   TapePart part = whole;
   for (int level = 0; level < 3; ++level) {
@@ -454,15 +459,19 @@ TEST_CASE_TEMPLATE("ranges hold what every instruction gives at points of a regi
 TEST_CASE_TEMPLATE("parts, and parts of parts, give the results of the whole tape", Real, float, double) {
   Random random(2);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   std::size_t dropped = 0;
+  std::size_t sampled = 0;
   for (const auto& program : programs()) {
     for (int trial = 0; trial < 200; ++trial) {
-      dropped += check_parts<Real>(program->distance(), random_region<Real>(random), true, random);
-      dropped += check_parts<Real>(program->attributes().tape, random_region<Real>(random), false, random);
+      dropped += check_parts<Real>(program->distance(), random_region<Real>(random), true, false, random);
+      sampled += check_parts<Real>(program->distance(), random_region<Real>(random), true, true, random);
+      const bool by_samples = trial % 2 == 0;
+      dropped += check_parts<Real>(program->attributes().tape, random_region<Real>(random), false, by_samples, random);
       if (program->surface().is_constant()) continue;
-      dropped += check_parts<Real>(program->surface().tape, random_region<Real>(random), false, random);
+      dropped += check_parts<Real>(program->surface().tape, random_region<Real>(random), false, by_samples, random);
     }
   }
   CHECK(dropped > 10000);
+  CHECK(sampled > 5000);
 }
 
 TEST_CASE_TEMPLATE("a long tape in cells of all sizes", Real, float, double) {
@@ -471,8 +480,8 @@ TEST_CASE_TEMPLATE("a long tape in cells of all sizes", Real, float, double) {
     std::vector<NodePtr> rows;
     for (int i = 0; i < 6; ++i) rows.push_back(rotate(row_of_balls(10, k), 50.0 * i, {1.0, i + 0.5, 2.0}));
     const auto program = compile(combine(Kind::kDifference, {combine(Kind::kUnion, rows, k), box({3.0, 1.0, 1.0})}, k));
-    for (int trial = 0; trial < 100; ++trial) {
-      check_parts<Real>(program->distance(), random_region<Real>(random), true, random);
+    for (int trial = 0; trial < 200; ++trial) {
+      check_parts<Real>(program->distance(), random_region<Real>(random), true, trial % 2 == 0, random);
     }
   }
 }
@@ -535,9 +544,10 @@ TEST_CASE_TEMPLATE("an octree finds the same part in every thread's pruner", Rea
   const auto program = compile(row_of_balls(40, 0.25));
   const Tape& tape = program->distance();
   Octree<Real> octree(tape, *program->focus(), 100.0);
-  Pruner<Real> first(tape);
-  Pruner<Real> second(tape);
-  typename Octree<Real>::Cell* cell = &octree.root();
+  Runner<Real> runner(tape);
+  Pruner<Real> first(tape, octree.margins(), runner);
+  Pruner<Real> second(tape, octree.margins(), runner);
+  typename Octree<Real>::Cell* cell = octree.tops().data();
   while (!cell->is_leaf) {
     typename Octree<Real>::Cell* const child = octree.child(*cell, 7, first);
     REQUIRE(child != nullptr);
@@ -547,6 +557,27 @@ TEST_CASE_TEMPLATE("an octree finds the same part in every thread's pruner", Rea
   }
   CHECK(octree.cells() > 2);
   CHECK(octree.bytes() > 0);
+}
+
+TEST_CASE_TEMPLATE("samples tell which of many balls are near, and of what else there is only where it has slopes",
+                   Real, float, double) {
+  const Region<Real> near{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
+  const auto left = [&](const NodePtr& shape, const Region<Real>& region) {
+    const auto program = compile(shape);
+    const Tape& tape = program->distance();
+    Runner<Real> runner(tape);
+    const std::vector<Margin> margins = margins_of(tape, region);
+    const std::optional<TapePart> part = Pruner<Real>(tape, margins, runner).prune(whole_of(tape), region);
+    return part ? part->code.size() : tape.code.size();
+  };
+  CHECK(left(row_of_balls(40, 0.0), near) == 1);
+  CHECK(left(row_of_balls(40, 0.25), near) == 1);
+  CHECK(left(rotate(row_of_balls(40, 0.0), 30.0, {1.0, 2.0, 3.0}), near) == 1);
+  CHECK(left(combine(Kind::kDifference, {box({1.0, 1.0, 1.0}), row_of_balls(40, 0.0)}, 0.0), near) == 3);
+  // the nearest of a row changes along it, so that no sample alone tells which to keep
+  const Region<Real> along{{Real(-0.5), -0.5, -0.5}, {Real(8.5), 0.5, 0.5}};
+  CHECK(left(row_of_balls(40, 0.0), along) < 16);
+  CHECK(left(row_of_balls(40, 0.0), {{-1000, -1000, -1000}, {1000, 1000, 1000}}) == 79);
 }
 
 TEST_CASE("a tape is worth an octree where much of it goes away") {

@@ -58,6 +58,7 @@ py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned 
   dict["packets"] = marches.packets;
   const auto used = static_cast<double>(marches.evaluations);
   dict["occupancy"] = marches.lane_slots == 0 ? 1.0 : used / static_cast<double>(marches.lane_slots);
+  dict["instructions"] = marches.instructions;
   dict["cells"] = stats.cells;
   dict["cell_bytes"] = stats.cell_bytes;
   dict["seconds_march"] = stats.seconds_march;

@@ -95,9 +95,10 @@ struct MarchParameters {
 
 /// Work done, for image.stats: exact counts.
 struct Counters {
-  std::uint64_t evaluations = 0;  ///< of the field, at live lanes
-  std::uint64_t lane_slots = 0;   ///< lanes that were computed for them, live or not
-  std::uint64_t packets = 0;      ///< packets that were loaded
+  std::uint64_t evaluations = 0;   ///< of the field, at live lanes
+  std::uint64_t lane_slots = 0;    ///< lanes that were computed for them, live or not
+  std::uint64_t packets = 0;       ///< packets that were loaded
+  std::uint64_t instructions = 0;  ///< at those lanes; counted by whoever knows how long the tape is
 };
 
 /// What stopped a ray that is being marched.
@@ -253,6 +254,10 @@ struct KernelTable {
   /// The tape's result at points; NaN at NaN points, of which whole blocks cost nothing. This and the next two poll `cancelled` at every block.
   void (*distance)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
                    const bool* cancelled, Real* out);
+  /// Where, of a block of kLanes points, each instruction takes which operand, as these differ by more than its gap there.
+  /// Gaps are infinite for whatever is no operator of two distances, of which nothing is written. Arrays as long as the tape.
+  void (*compare)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, const Real* gaps,
+                  TakenAt* taken);
   /// Several results of a tape at points: outs[i] gets that of register results[i]. `normals`: inputs 3, 4, 5 of tapes that
   /// have them, else null.
   void (*expressions)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points,

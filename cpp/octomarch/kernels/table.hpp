@@ -2,6 +2,7 @@
 #pragma once
 
 #include "octomarch/kernels/camera.hpp"
+#include "octomarch/kernels/compare.hpp"
 #include "octomarch/kernels/cones.hpp"
 #include "octomarch/kernels/finish.hpp"
 #include "octomarch/kernels/march.hpp"
@@ -26,6 +27,7 @@ constexpr KernelTable<Real> make_table() {
       .follow_secants = &follow_secants<Real>,
       .bisect = &bisect<Real>,
       .distance = &distance<Real>,
+      .compare = &compare<Real>,
       .expressions = &expressions<Real>,
       .gradient = &gradient<Real>,
       .sample_around = &sample_around<Real>,

@@ -36,9 +36,10 @@ struct MixWeight {
   template <class Real>
   explicit MixWeight(const Real* p) : k(p[0]), half_inverse(p[1]), zero(Real(0)) {}
 
-  /// `taken` moved towards `other`.
+  /// `taken` moved towards `other`, which does not show at all, no number or infinite as it may be, where it has no weight.
   C operator()(const C& gap, const C& taken, const C& other) const {
-    return taken + (other - taken) * (max(k - abs(gap), zero) * half_inverse);
+    const C share = max(k - abs(gap), zero) * half_inverse;
+    return select(share > zero, taken + (other - taken) * share, taken);
   }
 };
 
@@ -82,12 +83,13 @@ struct MixDifference {
 /// Weight of b: 1/(1 + exp((b − a)/k)). Constants: 1/k.
 template <class C>
 struct MixMetaballs {
-  C inverse, one;
+  C inverse, zero, one;
   template <class Real>
-  explicit MixMetaballs(const Real* p) : inverse(p[0]), one(Real(1)) {}
+  explicit MixMetaballs(const Real* p) : inverse(p[0]), zero(Real(0)), one(Real(1)) {}
 
   C operator()(const C& a, const C& b, const C& of_a, const C& of_b) const {
-    return of_a + (of_b - of_a) * (one / (one + exp((b - a) * inverse)));
+    const C share = one / (one + exp((b - a) * inverse));
+    return select(share > zero, select(share < one, of_a + (of_b - of_a) * share, of_b), of_a);
   }
 };
 

@@ -19,7 +19,7 @@ constexpr unsigned kStalls = 3;
 /// That counts for cells smaller than this part of the focus: from far away all of it is alike.
 constexpr double kDetail = 1.0 / 16.0;
 /// Where it ends, cells that are there already serve.
-constexpr std::size_t kMostBytes = std::size_t{1} << 30;
+constexpr std::size_t kMostBytes = std::size_t{1} << 29;
 /// Tapes shorter than this are run whole.
 constexpr std::size_t kLong = 48;
 
@@ -55,6 +55,11 @@ double longest_side(const Aabb& box) {
   return std::max({box.hi.x - box.lo.x, box.hi.y - box.lo.y, box.hi.z - box.lo.z});
 }
 
+std::size_t bytes_of(const TapePart& part) {
+  return sizeof(TapePart) + part.code.size() * sizeof(Instruction) + part.origins.size() * sizeof(std::uint32_t) +
+         part.results.size() * sizeof(std::uint16_t);
+}
+
 std::size_t hash_of(const TapePart& part) {
   const auto* bytes = reinterpret_cast<const char*>(part.code.data());
   return std::hash<std::string_view>()({bytes, part.code.size() * sizeof(Instruction)});
@@ -70,23 +75,19 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, double reach)
   outside_.region = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
   outside_.part = whole;
   outside_.is_leaf = true;
-  // whole powers of two times the focus, so that some level of cells fits it
   const double half = 0.5 * longest_side(focus);
-  double size = half;
-  while (size < reach && size < 1e30) size *= 2.0;
-  root_.region = cube_about<Real>(focus, size);
-  set_middle(root_.region, root_.middle);
-  root_.part = std::move(whole);
-  root_.stalled = 0;
-  root_.is_leaf = is_small(root_.region);
-  cells_ = 2;
-  bytes_ = sizeof(*this) + root_.part->code.size() * sizeof(Instruction);
-}
-
-template <class Real>
-bool Octree<Real>::reaches(Real x, Real y, Real z) const {
-  const Region<Real>& all = root_.region;
-  return x >= all.lo[0] && x <= all.hi[0] && y >= all.lo[1] && y <= all.hi[1] && z >= all.lo[2] && z <= all.hi[2];
+  reach_ = std::max(reach, half);
+  tops_[0].region = cube_about<Real>(focus, half);
+  tops_[1].region = cube_about<Real>(focus, reach_);
+  for (Cell& top : tops_) {
+    set_middle(top.region, top.middle);
+    top.part = whole;
+    top.stalled = 0;
+    top.is_leaf = is_small(top.region);
+  }
+  margins_ = margins_of(tape, tops_[1].region);
+  cells_ = 1 + tops_.size();
+  bytes_ = sizeof(*this) + bytes_of(*whole) + margins_.size() * sizeof(Margin);
 }
 
 template <class Real>
@@ -105,11 +106,14 @@ typename Octree<Real>::Cell* Octree<Real>::make_child(Cell& parent, unsigned oct
   std::optional<TapePart> part = pruner.prune(*parent.part, cell->region);
   const std::size_t before = parent.part->code.size();
   const std::size_t after = part ? part->code.size() : before;
-  cell->part = part ? shared(std::move(*part)) : parent.part;
+  // little less is no less: what costs memory must save work
+  if (part && after > kShared && static_cast<double>(after) > kStall * static_cast<double>(before)) part.reset();
   const bool is_detail = cell->region.hi[0] - cell->region.lo[0] < focus_size_ * Real(kDetail);
   const bool is_stalled = is_detail && static_cast<double>(after) > kStall * static_cast<double>(before);
   cell->stalled = is_stalled ? parent.stalled + 1 : 0;
   cell->is_leaf = after <= kShort || cell->stalled >= kStalls || is_small(cell->region);
+  if (part && cell->is_leaf) part->origins = {};
+  cell->part = part ? shared(std::move(*part)) : parent.part;
   Cell* expected = nullptr;
   if (!parent.children[octant].compare_exchange_strong(expected, cell.get(), std::memory_order_acq_rel))
     return expected;
@@ -121,8 +125,9 @@ typename Octree<Real>::Cell* Octree<Real>::make_child(Cell& parent, unsigned oct
 /// Equal short parts are one.
 template <class Real>
 std::shared_ptr<const TapePart> Octree<Real>::shared(TapePart part) {
-  const std::size_t size = sizeof(TapePart) + part.code.size() * sizeof(Instruction);
   part.code.shrink_to_fit();
+  part.origins.shrink_to_fit();
+  const std::size_t size = bytes_of(part);
   if (part.code.size() > kShared) {
     bytes_.fetch_add(size, std::memory_order_relaxed);
     return std::make_shared<const TapePart>(std::move(part));
@@ -170,6 +175,18 @@ bool is_worth_an_octree(const Tape& tape, const Aabb& focus) {
   return static_cast<double>(left) < 0.7 * kProbes * static_cast<double>(tape.code.size());
 }
 
+template <class Real>
+std::shared_ptr<Octree<Real>> Octrees::get(const Tape& tape, const Aabb& focus, double reach) {
+  const std::scoped_lock lock(mutex_);
+  if (!is_worth_it_) is_worth_it_ = is_worth_an_octree(tape, focus);
+  if (!*is_worth_it_) return nullptr;
+  auto& kept = std::get<std::shared_ptr<Octree<Real>>>(kept_);
+  if (!kept || kept->reach() < reach) kept = std::make_shared<Octree<Real>>(tape, focus, reach);
+  return kept;
+}
+
+template std::shared_ptr<Octree<float>> Octrees::get(const Tape&, const Aabb&, double);
+template std::shared_ptr<Octree<double>> Octrees::get(const Tape&, const Aabb&, double);
 template class Octree<float>;
 template class Octree<double>;
 

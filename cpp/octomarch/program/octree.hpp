@@ -10,6 +10,8 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
+#include <optional>
+#include <tuple>
 #include <unordered_map>
 
 #include "octomarch/program/prune.hpp"
@@ -44,9 +46,12 @@ class Octree {
   Octree(const Octree&) = delete;
 
   const Tape& tape() const { return tape_; }
-  bool reaches(Real x, Real y, Real z) const;
-  /// The cell of all points in reach, and that of the others, which is a leaf with the whole tape.
-  Cell& root() { return root_; }
+  double reach() const { return reach_; }
+  /// For a pruner of its cells' parts.
+  const std::vector<Margin>& margins() const { return margins_; }
+  /// The largest cells: one about the focus, and one about all that is in reach, for points that are not in the first.
+  std::array<Cell, 2>& tops() { return tops_; }
+  /// The cell of all other points, which is a leaf with the whole tape.
   const Cell& outside() const { return outside_; }
   /// A child of a cell that is no leaf, made now if need be; null where memory has ended. Safe from any thread, `pruner` being
   /// the thread's own. O(part) where it is made, else O(1).
@@ -63,15 +68,38 @@ class Octree {
 
   const Tape& tape_;
   Real focus_size_;
+  double reach_;
+  std::vector<Margin> margins_;
   std::atomic<std::size_t> cells_{0};
   std::atomic<std::size_t> bytes_{0};
   std::mutex parts_mutex_;
   std::unordered_multimap<std::size_t, std::shared_ptr<const TapePart>> parts_;  ///< the short ones, by their hash
   Cell outside_;
-  Cell root_;
+  std::array<Cell, 2> tops_;
 };
 
 /// Is a tape long enough, and does enough of it go away in small cells, for an octree to be worth its cost? O(tape).
 bool is_worth_an_octree(const Tape& tape, const Aabb& focus);
+
+/// The octrees of one tape, kept from picture to picture. Safe from any thread.
+class Octrees {
+ public:
+  /// An octree about the focus that reaches at least so far from its middle; null where the tape is too short for one to be
+  /// worth its cost, or too little of it goes away in small cells. One that reached less is given up.
+  template <class Real>
+  std::shared_ptr<Octree<Real>> get(const Tape& tape, const Aabb& focus, double reach);
+
+ private:
+  std::mutex mutex_;
+  std::optional<bool> is_worth_it_;
+  std::tuple<std::shared_ptr<Octree<float>>, std::shared_ptr<Octree<double>>> kept_;
+};
+
+/// Those of a program's tapes.
+struct ProgramOctrees {
+  Octrees distance;
+  Octrees attributes;
+  Octrees surface;
+};
 
 }  // namespace octomarch

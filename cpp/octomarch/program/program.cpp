@@ -4,6 +4,7 @@
 #include "octomarch/program/allocate.hpp"
 #include "octomarch/program/lower.hpp"
 #include "octomarch/program/lower_expression.hpp"
+#include "octomarch/program/octree.hpp"
 
 namespace octomarch {
 namespace {
@@ -22,7 +23,8 @@ Expressions expressions_of(const DataFlow& flow, std::span<const ValueId> values
 
 }  // namespace
 
-Program::Program(NodePtr root, const std::optional<Vec3>& anchor) : root_(std::move(root)) {
+Program::Program(NodePtr root, const std::optional<Vec3>& anchor)
+    : root_(std::move(root)), octrees_(std::make_unique<ProgramOctrees>()) {
   const FactTable facts = analyse(*root_);
   const FieldFacts& whole = facts.at(root_.get());
   lipschitz_ = whole.lipschitz;
@@ -37,6 +39,8 @@ Program::Program(NodePtr root, const std::optional<Vec3>& anchor) : root_(std::m
   is_solid_ = root_->has_solid();
   if (!(site_.anchor == Vec3{})) site_.inner_offset = lowered.flow.farthest_move();
 }
+
+Program::~Program() = default;
 
 const Attributes& Program::attributes() const {
   std::call_once(attributes_once_, [this] {

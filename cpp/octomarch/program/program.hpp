@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <span>
@@ -57,11 +58,14 @@ struct Expressions {
   bool is_constant() const { return tape.results.empty(); }
 };
 
+struct ProgramOctrees;
+
 /// Immutable and safe to share between threads; the attributes are compiled when first asked for.
 class Program {
  public:
   /// Where `anchor` is given, tapes count their coordinates from there, else from what site_of() says.
   explicit Program(NodePtr root, const std::optional<Vec3>& anchor = std::nullopt);
+  ~Program();
 
   const NodePtr& root() const { return root_; }
 
@@ -80,6 +84,8 @@ class Program {
   const Aabb& bounds() const { return bounds_; }
   /// The bounded part of the shape (a floor leaves it alone); nothing when no part is bounded.
   const std::optional<Aabb>& focus() const { return focus_; }
+  /// Octrees of the tapes, which stay as long as the program.
+  ProgramOctrees& octrees() const { return *octrees_; }
 
  private:
   NodePtr root_;
@@ -93,6 +99,7 @@ class Program {
   mutable Attributes attributes_;
   mutable std::once_flag surface_once_;
   mutable Expressions surface_;
+  std::unique_ptr<ProgramOctrees> octrees_;
 };
 
 /// Compiles expressions of a point (and no normal), such as a sky's.

@@ -1,6 +1,9 @@
 #include "octomarch/program/prune.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
 #include <type_traits>
 
 #include "octomarch/program/operator_ranges.hpp"
@@ -9,36 +12,40 @@ namespace octomarch {
 
 namespace {
 
-/// The instruction that keeps the first of two operands, when it is known which it takes: by ranges of what it compares.
-enum class Taken : std::uint8_t { kUnknown, kFirst, kSecond };
+constexpr std::uint64_t kEverywhere = ~std::uint64_t{0};
 
-/// Of equal operands a gradient is the one's that has a slope, so ties are left open.
-template <class Real>
-Taken smaller(const Range<Real>& a, const Range<Real>& b) {
-  if (a.hi < b.lo) return Taken::kFirst;
-  return b.hi < a.lo ? Taken::kSecond : Taken::kUnknown;
-}
-
-template <class Real>
-Taken larger(const Range<Real>& a, const Range<Real>& b) {
-  return smaller(-a, -b);
-}
-
-/// The same for operands that are blended where they differ by less than `reach`.
+/// Which of two operands is the smaller, by `reach` at least. Of equal operands a gradient is the one's that has a slope, so
+/// ties are left open.
 template <class Real>
 Taken smaller_by(const Range<Real>& a, const Range<Real>& b, Real reach) {
+  if (reach == Real(0)) {
+    if (a.hi < b.lo) return Taken::kFirst;
+    return b.hi < a.lo ? Taken::kSecond : Taken::kUnknown;
+  }
   const Range<Real> gap = a - b;
   if (gap.hi <= -reach) return Taken::kFirst;
   return gap.lo >= reach ? Taken::kSecond : Taken::kUnknown;
 }
 
-/// In so many times its k the exponential blend is nothing, even beside a denormal number.
-template <class Real>
-constexpr Real kMetaballReach = std::is_same_v<Real, float> ? Real(128) : Real(1024);
+/// Can something else than the order of two distances drop an instruction?
+constexpr bool is_decided_by_ranges(Opcode op) {
+  switch (op) {
+    case Opcode::kWhere:
+    case Opcode::kMinimumConstant:
+    case Opcode::kMaximumConstant:
+    case Opcode::kAbsolute:
+    case Opcode::kClamp: return true;
+    default: return false;
+  }
+}
 
 }  // namespace
 
-TapePart whole_of(const Tape& tape) { return {tape.code, tape.results, tape.registers}; }
+TapePart whole_of(const Tape& tape) {
+  std::vector<std::uint32_t> origins(tape.code.size());
+  std::iota(origins.begin(), origins.end(), 0U);
+  return {tape.code, std::move(origins), tape.results, tape.registers};
+}
 
 template <class Real>
 Pruner<Real>::Pruner(const Tape& tape) : tape_(tape) {
@@ -50,6 +57,12 @@ Pruner<Real>::Pruner(const Tape& tape) : tape_(tape) {
 }
 
 template <class Real>
+Pruner<Real>::Pruner(const Tape& tape, const std::vector<Margin>& margins, Sampler<Real>& sampler) : Pruner(tape) {
+  margins_ = &margins;
+  sampler_ = &sampler;
+}
+
+template <class Real>
 std::optional<TapePart> Pruner<Real>::prune(const TapePart& part, const Region<Real>& region) {
   const std::size_t values = tape_.inputs + part.code.size() * kMaxOutputs;
   code_ = part.code;
@@ -58,10 +71,116 @@ std::optional<TapePart> Pruner<Real>::prune(const TapePart& part, const Region<R
   in_register_.resize(part.registers);
   dropped_ = 0;
   load(region);
-  for (std::size_t i = 0; i < part.code.size(); ++i) run(part.code[i], i);
+  const bool wants_ranges = sampler_ == nullptr || sample(part, region);
+  load(region);
+  if (wants_ranges) {
+    for (std::size_t i = 0; i < part.code.size(); ++i) run<true>(part.code[i], i);
+  } else {
+    for (std::size_t i = 0; i < part.code.size(); ++i) run<false>(part.code[i], i);
+  }
   if (dropped_ == 0) return std::nullopt;
   mark(part);
   return emit(part);
+}
+
+/// Sets the points at which a region is sampled, and by how much the operands of each instruction must differ there.
+template <class Real>
+bool Pruner<Real>::set_gaps(const TapePart& part, const Region<Real>& region) {
+  constexpr auto kAcross = static_cast<Real>(kSamplesAcross);
+  Real middles[3][kSamplesAcross];
+  double half_diagonal = 0.0;
+  double farthest = 0.0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Real size = region.hi[axis] - region.lo[axis];
+    for (std::size_t i = 0; i < kSamplesAcross; ++i) {
+      middles[axis][i] = region.lo[axis] + size * ((static_cast<Real>(i) + Real(0.5)) / kAcross);
+    }
+    half_diagonal += static_cast<double>(size) * static_cast<double>(size);
+    farthest = std::max(
+        {farthest, std::fabs(static_cast<double>(region.lo[axis])), std::fabs(static_cast<double>(region.hi[axis]))});
+  }
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    points_.x[i] = middles[0][i % kSamplesAcross];
+    points_.y[i] = middles[1][i / kSamplesAcross % kSamplesAcross];
+    points_.z[i] = middles[2][i / (kSamplesAcross * kSamplesAcross)];
+  }
+  // middles are rounded
+  const double radius = std::sqrt(half_diagonal) * (0.5 / static_cast<double>(kAcross)) * (1.0 + 1e-6) +
+                        8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * farthest;
+  gaps_.resize(part.code.size());
+  bool wants_ranges = false;
+  for (std::size_t i = 0; i < part.code.size(); ++i) {
+    const Margin& margin = (*margins_)[part.origins[i]];
+    const auto gap = static_cast<Real>(static_cast<double>(margin.slope) * radius + static_cast<double>(margin.room));
+    const Opcode op = part.code[i].op;
+    const bool is_known = chooses_operand(op) && gap < std::numeric_limits<Real>::infinity();
+    wants_ranges = wants_ranges || (!is_known && (chooses_operand(op) || is_decided_by_ranges(op)));
+    gaps_[i] = is_known ? gap : std::numeric_limits<Real>::infinity();
+  }
+  return wants_ranges;
+}
+
+template <class Real>
+bool Pruner<Real>::sample(const TapePart& part, const Region<Real>& region) {
+  const bool wants_ranges = set_gaps(part, region);
+  taken_.assign(part.code.size(), {});
+  sampler_->compare(part, points_, gaps_.data(), taken_.data());
+  decide(part);
+  return wants_ranges;
+}
+
+/// Finds where values matter, from the results back, and so which operands are taken wherever that matters.
+template <class Real>
+void Pruner<Real>::decide(const TapePart& part) {
+  const auto wire = [&](const Instruction& instruction, std::size_t index) {
+    const OpcodeInfo& shape = info(instruction.op);
+    for (std::size_t k = 0; k < shape.inputs; ++k) inputs_[index][k] = in_register_[instruction.in[k]];
+    for (std::size_t k = 0; k < shape.outputs; ++k) in_register_[instruction.out[k]] = output(index, k);
+  };
+  for (std::size_t i = 0; i < part.code.size(); ++i) wire(part.code[i], i);
+  needs_.assign(tape_.inputs + part.code.size() * kMaxOutputs, {});
+  decisions_.assign(part.code.size(), Taken::kUnknown);
+  for (const std::uint16_t result : part.results) needs_[in_register_[result]] = {kEverywhere, false, false};
+  for (std::size_t i = part.code.size(); i-- > 0;) {
+    Need need = needs_[output(i, 0)];
+    for (std::size_t k = 1; k < info(part.code[i].op).outputs; ++k) need.where |= needs_[output(i, k)].where;
+    if (need.where != 0) require_operands(part.code[i], i, need);
+  }
+}
+
+/// Where an instruction that matters as `need` says makes its operands matter.
+template <class Real>
+void Pruner<Real>::require_operands(const Instruction& instruction, std::size_t index, const Need& need) {
+  const std::array<Value, kMaxInputs>& in = inputs_[index];
+  const Opcode op = instruction.op;
+  if (!chooses_operand(op)) {
+    for (std::size_t k = 0; k < info(op).inputs; ++k) needs_[in[k]] = {kEverywhere, false, false};
+    return;
+  }
+  // without an operand the smaller of two can only become larger; of attributes that do not show, nothing is asked
+  const bool may_be_off = chooses_attribute(op) || (takes_larger(op) ? need.may_be_smaller : need.may_be_larger);
+  const std::uint64_t where = may_be_off ? need.where : kEverywhere;
+  const TakenAt& taken = taken_[index];
+  const std::uint64_t first = where & ~taken.second;
+  const std::uint64_t second = where & ~taken.first;
+  if (second == 0) decisions_[index] = Taken::kFirst;
+  else if (first == 0) decisions_[index] = Taken::kSecond;
+  const auto require = [&](Value operand, std::uint64_t there, bool may_be_larger, bool may_be_smaller) {
+    if (there == 0) return;
+    Need& other = needs_[operand];
+    other.where |= there;
+    other.may_be_larger = other.may_be_larger && may_be_larger;
+    other.may_be_smaller = other.may_be_smaller && may_be_smaller;
+  };
+  if (chooses_attribute(op)) {
+    require(in[2], first, false, false);
+    require(in[3], second, false, false);
+    if (decisions_[index] != Taken::kUnknown) return;
+  }
+  const bool is_larger_taken = takes_larger(op);
+  require(in[0], first, !is_larger_taken, is_larger_taken);
+  const bool is_negative_larger_taken = is_larger_taken != subtracts(op);
+  require(in[1], second, !is_negative_larger_taken, is_negative_larger_taken);
 }
 
 /// Coordinates over the region; a normal can be any.
@@ -75,14 +194,18 @@ void Pruner<Real>::load(const Region<Real>& region) {
 
 /// Works out what an instruction's outputs can be, or that it is one of its operands.
 template <class Real>
+template <bool kByRanges>
 void Pruner<Real>::run(const Instruction& instruction, std::size_t index) {
   const OpcodeInfo& shape = info(instruction.op);
   Range<Real> in[kMaxInputs];
   for (std::size_t i = 0; i < shape.inputs; ++i) {
     inputs_[index][i] = in_register_[instruction.in[i]];
-    in[i] = ranges_[inputs_[index][i]];
+    if constexpr (kByRanges) in[i] = ranges_[inputs_[index][i]];
   }
-  const Choice choice = choose(instruction, in);
+  Choice choice = sampler_ != nullptr ? among(instruction.op, decisions_[index]) : Choice{};
+  if constexpr (kByRanges) {
+    if (!choice.is_made) choice = choose(instruction, in);
+  }
   if (choice.is_made && !choice.is_negated && !choice.is_constant) {
     in_register_[instruction.out[0]] = inputs_[index][choice.operand];
     ++dropped_;
@@ -91,37 +214,39 @@ void Pruner<Real>::run(const Instruction& instruction, std::size_t index) {
   if (choice.is_negated) {
     code_[index].op = Opcode::kComplement;
     inputs_[index][0] = inputs_[index][choice.operand];
-    in[0] = in[choice.operand];
+    if constexpr (kByRanges) in[0] = in[choice.operand];
     ++dropped_;
   } else if (choice.is_constant) {
     code_[index].op = Opcode::kConstant;
     ++dropped_;
   }
   Range<Real> out[kMaxOutputs];
-  operator_ranges(code_[index].op, constants_ + instruction.constants, in, out);
+  if constexpr (kByRanges) operator_ranges(code_[index].op, constants_ + instruction.constants, in, out);
   for (std::size_t i = 0; i < shape.outputs; ++i) {
     const Value value = output(index, i);
-    ranges_[value] = out[i];
+    if constexpr (kByRanges) ranges_[value] = out[i];
     in_register_[instruction.out[i]] = value;
   }
 }
 
 template <class Real>
+typename Pruner<Real>::Choice Pruner<Real>::among(Opcode op, Taken taken) {
+  if (taken == Taken::kUnknown) return {};
+  const bool is_second = taken == Taken::kSecond;
+  if (chooses_attribute(op)) return {true, false, false, is_second ? 3U : 2U};
+  return {true, is_second && subtracts(op), false, is_second ? 1U : 0U};
+}
+
+template <class Real>
 typename Pruner<Real>::Choice Pruner<Real>::choose(const Instruction& instruction, const Range<Real>* in) const {
   const Real* const p = constants_ + instruction.constants;
-  const auto among = [](Taken taken, std::size_t first, bool negates_second = false) -> Choice {
-    if (taken == Taken::kUnknown) return {};
-    const bool is_second = taken == Taken::kSecond;
-    return {true, is_second && negates_second, false, first + (is_second ? 1U : 0U)};
-  };
-  switch (instruction.op) {
-    case Opcode::kUnion: return among(smaller(in[0], in[1]), 0);
-    case Opcode::kIntersection: return among(larger(in[0], in[1]), 0);
-    case Opcode::kDifference: return among(larger(in[0], -in[1]), 0, true);
-    case Opcode::kSmoothUnion: return among(smaller_by(in[0], in[1], p[0]), 0);
-    case Opcode::kSmoothIntersection: return among(smaller_by(-in[0], -in[1], p[0]), 0);
-    case Opcode::kSmoothDifference: return among(smaller_by(-in[0], in[1], p[0]), 0, true);
-    case Opcode::kMetaballs: return among(smaller_by(in[0], in[1], p[0] * kMetaballReach<Real>), 0);
+  const Opcode op = instruction.op;
+  if (chooses_operand(op)) {
+    const Range<Real> second = subtracts(op) ? -in[1] : in[1];
+    const Real reach = blend_reach(op, p);
+    return among(op, takes_larger(op) ? smaller_by(-in[0], -second, reach) : smaller_by(in[0], second, reach));
+  }
+  switch (op) {
     case Opcode::kWhere: {
       const Truth is_false = in[0] == Range<Real>(Real(0));
       if (in[0].is_whole()) return {};
@@ -197,6 +322,7 @@ TapePart Pruner<Real>::emit(const TapePart& part) {
     }
     for (std::size_t k = shape.outputs; k < kMaxOutputs; ++k) instruction.out[k] = 0;
     result.code.push_back(instruction);
+    result.origins.push_back(part.origins[i]);
   }
   for (const std::uint16_t register_of : part.results) result.results.push_back(registers_[in_register_[register_of]]);
   result.registers = static_cast<std::uint32_t>(taken.size());

@@ -10,4 +10,10 @@ struct Region {
   Real hi[3];
 };
 
+template <class Real>
+bool contains(const Region<Real>& region, Real x, Real y, Real z) {
+  return x >= region.lo[0] && x <= region.hi[0] && y >= region.lo[1] && y <= region.hi[1] && z >= region.lo[2] &&
+         z <= region.hi[2];
+}
+
 }  // namespace octomarch

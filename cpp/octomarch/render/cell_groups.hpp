@@ -24,7 +24,9 @@ struct CellGroup {
 template <class Real>
 class CellGroups {
  public:
-  explicit CellGroups(Octree<Real>& octree) : octree_(octree), pruner_(octree.tape()) {}
+  /// Both must outlive this.
+  CellGroups(Octree<Real>& octree, Sampler<Real>& sampler)
+      : octree_(octree), pruner_(octree.tape(), octree.margins(), sampler) {}
 
   /// Groups `count` elements; point(i) returns the coordinates of the i-th as an array of three. Those that are NaN are left
   /// out. `evaluations`: of each element, as far as one can tell.
@@ -44,12 +46,17 @@ class CellGroups {
     }
     octants_.resize(order_.size());
     scratch_.resize(order_.size());
-    const auto within = std::partition(order_.begin(), order_.end(), [this](std::uint32_t i) {
-      return octree_.reaches(points_[i][0], points_[i][1], points_[i][2]);
-    });
-    const auto inside = static_cast<std::size_t>(within - order_.begin());
-    if (inside > 0) split(octree_.root(), 0, inside);
-    if (inside < order_.size()) add_group(octree_.outside(), inside, order_.size());
+    std::size_t begin = 0;
+    for (Cell& top : octree_.tops()) {
+      const auto first = order_.begin() + static_cast<std::ptrdiff_t>(begin);
+      const auto within = std::partition(first, order_.end(), [&](std::uint32_t i) {
+        return contains(top.region, points_[i][0], points_[i][1], points_[i][2]);
+      });
+      const auto end = static_cast<std::size_t>(within - order_.begin());
+      if (end > begin) split(top, begin, end);
+      begin = end;
+    }
+    if (begin < order_.size()) add_group(octree_.outside(), begin, order_.size());
   }
 
   const std::vector<CellGroup<Real>>& groups() const { return groups_; }
@@ -65,12 +72,13 @@ class CellGroups {
   using Cell = typename Octree<Real>::Cell;
 
   /// Nanoseconds, about: what a group costs by itself, and an instruction of an evaluation, by itself and for each batch.
-  static constexpr double kGroupCost = 400.0;
+  static constexpr double kGroupCost = 300.0;
   static constexpr double kInstructionCost = 7.0;
   static constexpr double kBatchCost = 1.5;
   static constexpr double kLanesOfBatch = 16.0;
-  static constexpr double kPruningCost = 50.0;  ///< of an instruction, when a child is made
-  static constexpr double kLongest = 4096.0;    ///< a longer program is never run for the sake of few elements
+  static constexpr double kPruningCost =
+      4.0;  ///< of an instruction, when a child is made: a part of the whole, since it will serve others too
+  static constexpr double kLongest = 512.0;  ///< a longer program is never run for the sake of few elements
   /// What is expected of a child's program, beside its parent's.
   static constexpr double kChildLength = 0.4;
 

@@ -16,7 +16,7 @@ namespace octomarch {
 /// An octree about all that is at most `reach` away from a point (counted from the program's anchor), where it is worth its cost; else null, as for fixed steps,
 /// which take solids without distances.
 template <class Real>
-std::unique_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach);
+std::shared_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach);
 
 template <class Real>
 class Field {
@@ -24,7 +24,11 @@ class Field {
   /// `size`: points or rays at the most in one call. `octree`: of program.distance(), or null. Both must outlive this.
   Field(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels, std::size_t size);
 
+  Field(const Field&) = delete;
+
   const Program& program() const { return program_; }
+  /// An octree of another tape of the program, that reaches as far as the field's; null where that has none.
+  std::shared_ptr<Octree<Real>> octree_of(const Tape& tape, Octrees& octrees) const;
 
   /// Distances at points; NaN at NaN points.
   void distance(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled, Real* out);
@@ -36,9 +40,10 @@ class Field {
                      const kernels::StencilView<Real>& stencil, const bool& cancelled,
                      const kernels::Vectors<Real>& out);
 
-  /// Sets `start` of whole blocks of rays, kLanes of them at the most, to where none of a block has met anything yet, by marching a cone about each.
+  /// Sets `start` of whole blocks of rays to where none of a block has met anything yet, by marching a cone about each, and where
+  /// the solid is bounded `end` to where all of a block are past it.
   void advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                        Buffer<Real>& start, kernels::Counters& counters);
+                        Buffer<Real>& start, Buffer<Real>& end, kernels::Counters& counters);
   /// Fills t and status of `batch`, and `steps` (exactly rays.count long) unless it is null.
   void march(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
              RayBatch<Real>& batch, std::int32_t* steps, kernels::Counters& counters);
@@ -51,6 +56,8 @@ class Field {
   using Parameters = kernels::MarchParameters<Real>;
   using State = kernels::MarchState<Real>;
 
+  void march_cones(const Rays& rays, const Parameters& parameters, kernels::Counters& counters);
+  std::uint64_t enter_bounds(const Parameters& parameters, std::size_t count);
   /// Marches until all rays have ended, by the kernel run(tape, memory, rays, parameters, region, state).
   template <class Run>
   void march_all(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
@@ -83,12 +90,14 @@ class Field {
   };
 
   const Program& program_;
+  const Octree<Real>* octree_;
   const kernels::KernelTable<Real>& kernels_;
   LoadedTape<Real> tape_;
   std::optional<LoadedTape<Real>> gradient_;
   VectorBuffer<Real> points_;
   Buffer<Real> values_, ends_;
   Cones cones_;
+  KernelSampler<Real> sampler_;
   std::optional<CellGroups<Real>> groups_;
   Sorted sorted_;
   std::vector<std::uint32_t> active_, still_active_;  ///< rays that go on, in this round and the next

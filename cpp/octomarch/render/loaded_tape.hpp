@@ -59,35 +59,20 @@ class LoadedTape {
   Buffer<Real> memory_;
 };
 
-/// The results of compiled expressions that differ from point to point, as the `expressions` kernel takes them: which
-/// register goes to which row.
+/// Runs parts of a loaded tape for those who prune it.
 template <class Real>
-class LoadedExpressions {
+class KernelSampler final : public Sampler<Real> {
  public:
-  /// `rows[i]` is where slot i goes. Rows of constant slots are left alone. `expressions` must outlive this.
-  LoadedExpressions(const Expressions& expressions, const std::vector<Real*>& rows)
-      : uses_normal_(expressions.uses_normal()), tape_(expressions.tape, TapeUse::kValues) {
-    for (std::size_t i = 0; i < expressions.slots.size(); ++i) {
-      const Expressions::Slot& slot = expressions.slots[i];
-      if (slot.is_constant) continue;
-      results_.push_back(expressions.tape.results[slot.result]);
-      rows_.push_back(rows[i]);
-    }
-  }
+  /// Both must outlive this.
+  KernelSampler(LoadedTape<Real>& tape, const kernels::KernelTable<Real>& kernels) : tape_(tape), kernels_(kernels) {}
 
-  bool uses_normal() const { return uses_normal_; }
-
-  void run(const kernels::KernelTable<Real>& kernels, const kernels::Vectors<const Real>& points,
-           const kernels::Vectors<const Real>& normals, std::size_t count, const bool& cancelled) {
-    kernels.expressions(tape_.view(), tape_.memory(), points, uses_normal_ ? &normals : nullptr, count, &cancelled,
-                        results_.data(), results_.size(), rows_.data());
+  void compare(const TapePart& part, const SamplePoints<Real>& points, const Real* gaps, TakenAt* taken) override {
+    kernels_.compare(tape_.view(part), tape_.memory(), {points.x, points.y, points.z}, gaps, taken);
   }
 
  private:
-  bool uses_normal_;
-  LoadedTape<Real> tape_;
-  std::vector<std::uint16_t> results_;
-  std::vector<Real*> rows_;
+  LoadedTape<Real>& tape_;
+  const kernels::KernelTable<Real>& kernels_;
 };
 
 }  // namespace octomarch

@@ -4,7 +4,8 @@ namespace octomarch {
 
 template <class Real>
 MaterialPass<Real>::MaterialPass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size)
-    : kernels_(kernels),
+    : program_(program),
+      kernels_(kernels),
       albedo_(size),
       roughness_(size),
       specular_(size),
@@ -12,25 +13,31 @@ MaterialPass<Real>::MaterialPass(const Program& program, const kernels::KernelTa
       reflectivity_(size),
       exponent_(size) {
   const Expressions& surface = program.surface();
-  const std::vector<Real*> rows{albedo_.x.data(), albedo_.y.data(), albedo_.z.data(),    roughness_.data(),
-                                specular_.data(), metallic_.data(), reflectivity_.data()};
+  const std::vector<Real*> rows = slot_rows();
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const Expressions::Slot& slot = surface.slots[i];
     if (slot.is_constant) std::fill_n(rows[i], size, clamped<Real>(slot.value));
   }
   const Expressions::Slot& reflectivity = surface.slots.back();
   reflects_ = !reflectivity.is_constant || reflectivity.value > 0.0;
-  if (surface.is_constant()) {
-    kernels_.clamp_materials(view(), size);
-  } else {
-    slots_.emplace(surface, rows);
-  }
+  if (surface.is_constant()) kernels_.clamp_materials(view(), size);
+}
+
+template <class Real>
+std::vector<Real*> MaterialPass<Real>::slot_rows() {
+  return {albedo_.x.data(), albedo_.y.data(), albedo_.z.data(),    roughness_.data(),
+          specular_.data(), metallic_.data(), reflectivity_.data()};
 }
 
 template <class Real>
 std::uint64_t MaterialPass<Real>::run(const SurfacePass<Real>& surface, const bool& cancelled) {
-  if (!slots_) return 0;
-  slots_->run(kernels_, surface.position.read(), surface.normal.read(), surface.count(), cancelled);
+  const Expressions& slots = program_.surface();
+  if (slots.is_constant()) return 0;
+  if (!slots_) {
+    slots_.emplace(slots.tape, varying_rows(slots, slot_rows()),
+                   surface.field().octree_of(slots.tape, program_.octrees().surface), kernels_);
+  }
+  slots_->run(surface.position.read(), surface.normal.read(), surface.count(), cancelled);
   kernels_.clamp_materials(view(), surface.count());
   return surface.count();
 }

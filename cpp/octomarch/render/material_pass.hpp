@@ -3,8 +3,9 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
-#include "octomarch/render/loaded_tape.hpp"
+#include "octomarch/render/point_expressions.hpp"
 #include "octomarch/render/surface_pass.hpp"
 
 namespace octomarch {
@@ -13,6 +14,7 @@ template <class Real>
 class MaterialPass {
  public:
   MaterialPass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size);
+  MaterialPass(const MaterialPass&) = delete;
 
   /// Finds the slots of every point of `surface`, whose normals are known; returns evaluations made. Where everything is
   /// of one material there are none.
@@ -24,11 +26,14 @@ class MaterialPass {
   bool reflects() const { return reflects_; }
 
  private:
+  std::vector<Real*> slot_rows();
+
+  const Program& program_;
   const kernels::KernelTable<Real>& kernels_;
   VectorBuffer<Real> albedo_;
   Buffer<Real> roughness_, specular_, metallic_, reflectivity_, exponent_;
   bool reflects_ = false;
-  std::optional<LoadedExpressions<Real>> slots_;  ///< those that are not constant
+  std::optional<PointExpressions<Real>> slots_;  ///< those that are not constant; made when first needed
 };
 
 }  // namespace octomarch

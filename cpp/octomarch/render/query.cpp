@@ -48,7 +48,7 @@ void for_each_chunk(const Program& program, std::size_t count, std::size_t evalu
 
 /// An octree for many points, or for rays from them that go on for `reach`; null where they are too few to be worth one.
 template <class Real>
-std::unique_ptr<Octree<Real>> octree_for_points(const Program& program, const double* points, std::size_t count,
+std::shared_ptr<Octree<Real>> octree_for_points(const Program& program, const double* points, std::size_t count,
                                                 const March& march = {}, double reach = 0.0) {
   constexpr std::size_t kMany = 4096;
   if (count < kMany || program.distance().code.size() > 64 * count) return nullptr;

@@ -19,6 +19,7 @@ struct RayBatch {
       : origin(size),
         direction(size),
         start(size),
+        end(size),
         t(size),
         status(size),
         radius_(size),
@@ -30,6 +31,7 @@ struct RayBatch {
   VectorBuffer<Real> origin;     ///< not used where all rays share one
   VectorBuffer<Real> direction;  ///< likewise
   Buffer<Real> start;            ///< likewise
+  Buffer<Real> end;              ///< likewise
   Buffer<Real> t;
   Buffer<std::uint8_t> status;
 

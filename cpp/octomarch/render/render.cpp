@@ -59,8 +59,9 @@ RenderStats render(const Picture& whole, const Planes<Real>& planes, const kerne
   const TileGrid grid(picture);
   const Expressions sky = planes.color ? compile_expressions(picture.scene->sky.color) : Expressions{};
   // mirror and shadow rays go as far from what camera rays have met
-  const std::unique_ptr<Octree<Real>> octree =
+  const std::shared_ptr<Octree<Real>> octree =
       octree_for<Real>(*picture.program, picture.march, picture.camera.eye, 2.0 * picture.march.max_distance);
+  const std::size_t cells_before = octree ? octree->cells() : 0;
   const unsigned workers = thread_count(threads);
   std::vector<std::unique_ptr<TileRenderer<Real>>> renderers(std::min<std::size_t>(workers, grid.count()));
   parallel_for(
@@ -78,7 +79,7 @@ RenderStats render(const Picture& whole, const Planes<Real>& planes, const kerne
     if (renderer) add_all(stats, renderer->stats());
   }
   if (octree) {
-    stats.cells = octree->cells();
+    stats.cells = octree->cells() - cells_before;
     stats.cell_bytes = octree->bytes();
   }
   return stats;

@@ -41,6 +41,7 @@ struct Picture {
 inline void add(kernels::Counters& sum, const kernels::Counters& part) {
   sum.evaluations += part.evaluations;
   sum.lane_slots += part.lane_slots;
+  sum.instructions += part.instructions;
   sum.packets += part.packets;
 }
 

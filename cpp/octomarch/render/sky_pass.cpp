@@ -15,7 +15,7 @@ SkyPass<Real>::SkyPass(const Expressions& sky, const kernels::KernelTable<Real>&
   if (sky.is_constant()) {
     kernels_.clamp_colors(color.view(), size);
   } else {
-    channels_.emplace(sky, rows);
+    channels_.emplace(sky.tape, varying_rows(sky, rows), nullptr, kernels);
   }
 }
 
@@ -31,7 +31,7 @@ void SkyPass<Real>::add(std::size_t ray, Real dx, Real dy, Real dz) {
 template <class Real>
 std::uint64_t SkyPass<Real>::run(const bool& cancelled) {
   if (!channels_ || count() == 0) return 0;
-  channels_->run(kernels_, direction_.read(), direction_.read(), count(), cancelled);
+  channels_->run(direction_.read(), direction_.read(), count(), cancelled);
   kernels_.clamp_colors(color.view(), count());
   return count();
 }

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "octomarch/kernels/dispatch.hpp"
-#include "octomarch/render/loaded_tape.hpp"
+#include "octomarch/render/point_expressions.hpp"
 
 namespace octomarch {
 
@@ -30,7 +30,7 @@ class SkyPass {
   const kernels::KernelTable<Real>& kernels_;
   VectorBuffer<Real> direction_;
   IndexList ray_;
-  std::optional<LoadedExpressions<Real>> channels_;  ///< those that are not constant
+  std::optional<PointExpressions<Real>> channels_;  ///< those that are not constant
 };
 
 }  // namespace octomarch

@@ -78,8 +78,12 @@ std::uint64_t SurfacePass<Real>::find_normals(const Shading& shading, const bool
 
 template <class Real>
 std::uint64_t SurfacePass<Real>::find_objects(const bool& cancelled) {
-  if (!attributes_) attributes_.emplace(program_.attributes().tape, TapeUse::kValues);
-  kernels_.distance(attributes_->view(), attributes_->memory(), position.read(), count(), &cancelled, object_.data());
+  if (!attributes_) {
+    const Tape& tape = program_.attributes().tape;
+    attributes_.emplace(tape, std::vector<Real*>{object_.data()}, field_.octree_of(tape, program_.octrees().attributes),
+                        kernels_);
+  }
+  attributes_->run(position.read(), normal.read(), count(), cancelled);
   return count();
 }
 

@@ -8,6 +8,7 @@
 #include "octomarch/graph/scene.hpp"
 #include "octomarch/kernels/dispatch.hpp"
 #include "octomarch/render/field.hpp"
+#include "octomarch/render/point_expressions.hpp"
 #include "octomarch/render/rays.hpp"
 
 namespace octomarch {
@@ -40,7 +41,7 @@ class SurfacePass {
     return normal.x[i] * direction.x[i] + normal.y[i] * direction.y[i] + normal.z[i] * direction.z[i] >= Real(0);
   }
   kernels::SurfaceView<Real> view();
-  Field<Real>& field() { return field_; }
+  Field<Real>& field() const { return field_; }
 
   VectorBuffer<Real> position, direction, normal, facing, origin;
   Buffer<Real> epsilon;
@@ -54,7 +55,7 @@ class SurfacePass {
   Buffer<Real> object_;
   Field<Real>& field_;
   std::vector<Real> offsets_;  ///< of samples around a point, where normals are no gradients
-  std::optional<LoadedTape<Real>> attributes_;
+  std::optional<PointExpressions<Real>> attributes_;
 };
 
 }  // namespace octomarch

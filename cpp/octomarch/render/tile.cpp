@@ -174,14 +174,15 @@ void TileRenderer<Real>::keep_rays_of_crop(const kernels::TileView& tile) {
 
 template <class Real>
 void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancelled) {
-  const kernels::Column<Real> t_max{nullptr, clamped<Real>(picture_.march.max_distance - lead_)};
+  kernels::Column<Real> t_max{nullptr, clamped<Real>(picture_.march.max_distance - lead_)};
   const kernels::MarchParameters<Real> parameters =
       march_parameters(*picture_.program, picture_.march, columns_.epsilon_slope, cancelled);
   kernels::Column<Real> start{nullptr, parameters.t_min};
   if (lead_ > 0.0) start.value = clamped<Real>(picture_.march.min_distance + picture_.program->site().radius);
   if (picture_.march.method == Method::kAuto) {
-    field_.advance_together(columns_.view(start, t_max, rays_), parameters, batch_.start, stats_.cones);
+    field_.advance_together(columns_.view(start, t_max, rays_), parameters, batch_.start, batch_.end, stats_.cones);
     start.values = batch_.start.data();
+    if (is_bounded(picture_.program->site().bounds)) t_max.values = batch_.end.data();
   }
   keep_rays_of_crop(tile);
   field_.march(columns_.view(start, t_max, rays_), parameters, batch_, planes_.steps ? steps_.data() : nullptr,
