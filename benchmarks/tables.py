@@ -2,8 +2,8 @@
 
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
-Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, quality.py and
-extremes.py come before it.
+Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, trade.py,
+quality.py and extremes.py come before it.
 """
 
 import argparse
@@ -19,11 +19,23 @@ import hand_tables
 import peer_tables
 import sweep_rows
 import sweep_tables
+import trade_tables
 
 ROOT = Path(__file__).resolve().parents[1]
-PAGES = ("README.md", "docs/guide/benchmarks.md", "docs/guide/marching.md", "docs/guide/numerics.md")
+PAGES = (
+    "README.md",
+    "docs/guide/benchmarks.md",
+    "docs/guide/marching.md",
+    "docs/guide/numerics.md",
+    "docs/guide/speed.md",
+)
 
-KINDS = {"hand": hand_tables.check_by_hand, "peers": peer_tables.check, "sweep": sweep_rows.check}
+KINDS = {
+    "hand": hand_tables.check_by_hand,
+    "peers": peer_tables.check,
+    "sweep": sweep_rows.check,
+    "trade": trade_tables.check,
+}
 """What the files in benchmarks/results begin with, and what they have to be."""
 
 _BLOCK = re.compile(r"(<!-- begin: (?P<name>[a-z-]+) -->\n).*?(<!-- end: (?P=name) -->)", re.DOTALL)
@@ -77,6 +89,7 @@ def blocks(results: Path) -> dict[str, str]:
         "peers-versions": peer_tables.versions(peers),
         "peers-growth": peer_tables.sweep_table(peers),
         **sweep_tables.blocks(newest(results, "sweep")),
+        **trade_tables.blocks(newest(results, "trade")),
         **{f"peers-{scene.lower()}": peer_tables.scene_table(peers, scene, n) for scene, n in pictures},
     }
 
@@ -113,8 +126,10 @@ def draw(results: Path, folder: Path) -> None:
     """Draw all plots into `folder`."""
     import plots  # here, since tables need no matplotlib
     import sweep_plots
+    import trade_plots
 
     figures = plots.figures(newest(results, "peers")) | sweep_plots.figures(newest(results, "sweep"))
+    figures |= trade_plots.figures(newest(results, "trade"))
     for path in plots.draw(figures, folder):
         print(f"{path.relative_to(ROOT)}: drawn")
 

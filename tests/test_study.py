@@ -169,6 +169,37 @@ def test_what_another_study_has_kept_is_refused(tmp_path: Path):
         om.study(om.sphere(1.0), size=SIZE, groups=("finish",), rounds=0, resume=path)
 
 
+def test_places_that_cannot_be_written_are_told_at_once(tmp_path: Path):
+    stop = Stop(after=0)
+    with pytest.raises(FileNotFoundError, match=r"kept\.json: there is no directory"):
+        om.study(SOLID, size=SIZE, rounds=0, resume=tmp_path / "none" / "kept.json", progress=stop)
+    assert not stop.seen
+
+
+@pytest.mark.parametrize(
+    "camera",
+    [
+        om.OrthographicCamera((0, 0, 4), (0, 0, 0), height=3),
+        om.PanoramicCamera((0, 0, 4), (0, 0, 0)),
+        om.Camera((0, 0, 4), (0, 0, 9)),  # which sees nothing
+        om.Camera((0.8, 0.1, 0), (0, 0, 9)),  # inside
+    ],
+    ids=["orthographic", "panoramic", "nothing", "inside"],
+)
+def test_every_view_can_be_studied(camera: Any):
+    study = om.study(SOLID, camera, (24, 16), groups=("series", "method", "precision"), rounds=0)
+    assert len(study.table) == 18
+    assert len(study.front) >= 1
+    study._repr_html_()
+
+
+def test_fixed_steps_can_be_the_base():
+    march = om.March("fixed", step=0.05, max_distance=9)
+    study = om.study(SOLID, size=(24, 16), march=march, groups=("series", "step", "method", "finish"), rounds=0)
+    assert {row.march.method for row in study.table} == {"fixed"}
+    assert {row.group for row in study.table} == {"base", "series", "step", "finish"}
+
+
 @pytest.mark.parametrize("text", ["", "[]", "{}", '{"study": 9, "subject": {}, "rows": {}}', '{"study": 1'])
 def test_damaged_files_are_refused(tmp_path: Path, text: str):
     path = tmp_path / "kept.json"

@@ -145,10 +145,7 @@ def _demo(options: argparse.Namespace) -> None:
 def _render(options: argparse.Namespace) -> None:
     given = {name: getattr(options, name) for name in ("size", "samples", "planes")}
     changes = {name: value for name, value in given.items() if value is not None}
-    if options.output.suffix.lower() not in (".exr", ".png"):  # asked here too, before hours of work
-        raise ValueError(f"OUT must end in .exr or .png, got '{options.output}'")
-    if not options.output.parent.is_dir():
-        raise FileNotFoundError(f"cannot write {options.output}: there is no directory {options.output.parent}")
+    _check_output(options.output, ".exr", ".png")
     subject = _scene(options.scene)
     if isinstance(subject, om.Shot):
         image = subject.render(**changes, **_execution(options))
@@ -159,10 +156,7 @@ def _render(options: argparse.Namespace) -> None:
 
 
 def _study(options: argparse.Namespace) -> None:
-    if options.output.suffix.lower() != ".html":  # asked here too, before all the work
-        raise ValueError(f"OUT must end in .html, got '{options.output}'")
-    if not options.output.parent.is_dir():
-        raise FileNotFoundError(f"cannot write {options.output}: there is no directory {options.output.parent}")
+    _check_output(options.output, ".html")
     subject = _scene(options.scene)
     settings: dict[str, Any] = {}
     if isinstance(subject, om.Shot):
@@ -178,6 +172,14 @@ def _study(options: argparse.Namespace) -> None:
         raise
     found.save(options.output)
     print(f"{found}\n\n{options.output}: {len(found.table)} settings; {kept} has the numbers")
+
+
+def _check_output(path: Path, *suffixes: str) -> None:
+    """Raise what saving would raise at the end of hours of work."""
+    if path.suffix.lower() not in suffixes:
+        raise ValueError(f"OUT must end in {' or '.join(suffixes)}, got '{path}'")
+    if not path.parent.is_dir():
+        raise FileNotFoundError(f"cannot write {path}: there is no directory {path.parent}")
 
 
 def _execution(options: argparse.Namespace) -> dict[str, Any]:

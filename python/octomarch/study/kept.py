@@ -56,8 +56,12 @@ class Kept:
         self._path = None if path is None else Path(path)
         self._subject = {**subject, "octomarch": _core.build_info()["version"]}
         self._measures: dict[str, Measures] = {}
-        if self._path is not None and self._path.exists():
+        if self._path is None:
+            return
+        if self._path.exists():
             self._read(self._path)
+        elif not self._path.parent.is_dir():  # asked here too, before there is anything to lose
+            raise FileNotFoundError(f"cannot write {self._path}: there is no directory {self._path.parent}")
 
     def get(self, setting: Setting) -> Measures | None:
         """Return what is known of a setting."""
