@@ -7,10 +7,11 @@ import pytest
 
 import octomarch as om
 from octomarch.study.errors import depth_errors, percentiles, ray_errors
-from octomarch.study.search import windows
+from octomarch.study.sample import windows
 from octomarch.study.truth import find_truth
 
 SIZE = (320, 240)
+SAMPLING = 0.05  # evaluations a ray by which costs on one half of a sample may differ from those on all of it
 
 
 def drilled() -> tuple[om.Shape, om.Camera]:
@@ -42,7 +43,7 @@ def held_out(shape: om.Shape, camera: om.Camera, march: om.March, precision: Any
     truth = find_truth(om.Scene(shape), camera, SIZE, resolved, kind="float64", planes=planes).depth
     image = om.render(shape, camera, SIZE, march=march, planes=planes, precision=precision)
     unseen = np.ones(truth.shape, bool)
-    for x, y, width, height in windows(SIZE):
+    for x, y, width, height in windows(SIZE, 32):
         unseen[y : y + height, x : x + width] = False
     assert unseen.mean() > 0.4
     return image.depth[unseen], image.status[unseen], truth[unseen]
@@ -64,7 +65,8 @@ def test_the_target_is_met_on_pixels_that_were_not_seen(make: Any, p95: float):
 def test_less_error_costs_more():
     shape, camera = drilled()
     costs = [om.March.for_error(shape, camera, p95, size=SIZE).measured for p95 in (1.0, 1e-2, 1e-5)]
-    assert costs[0].evaluations < costs[1].evaluations <= costs[2].evaluations
+    counted = [measured.evaluations for measured in costs]
+    assert counted[0] < counted[1] <= counted[2] + SAMPLING
     default = om.render(shape, camera, SIZE, planes=("depth",)).stats
     counted = (default["primary_evaluations"] + default["cone_evaluations"]) / default["rays"]
     assert costs[1].evaluations < counted  # the defaults are finer than that
@@ -129,14 +131,14 @@ def test_solids_get_the_longest_steps_that_do():
 def test_windows_cover_small_pictures_and_are_spread_over_large_ones():
     for size in ((1, 1), (31, 33), (64, 40), (640, 480), (2000, 50)):
         counts = np.zeros(size[::-1], int)
-        for x, y, width, height in windows(size):
+        for x, y, width, height in windows(size, 32):
             assert width >= 1
             assert height >= 1
             counts[y : y + height, x : x + width] += 1
         assert counts.max() == 1
         if size[0] * size[1] <= 32 * 1024 and min(size) >= 32:
             assert counts.min() == 1
-    quarters = [(x < 320, y < 240) for x, y, _, _ in windows((640, 480))]
+    quarters = [(x < 320, y < 240) for x, y, _, _ in windows((640, 480), 32)]
     assert min(quarters.count((a, b)) for a in (True, False) for b in (True, False)) >= 5
 
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from octomarch.camera import AnyCamera
     from octomarch.scene import Scene
     from octomarch.shapes import Shape
-    from octomarch.study.search import Measured
+    from octomarch.study.sample import Measured
 
 Method: TypeAlias = Literal["auto", "plain", "relaxed", "enhanced", "fixed"]
 _METHODS = ("auto", "plain", "relaxed", "enhanced", "fixed")
@@ -239,9 +239,10 @@ class March:
 
         Candidates differ in method, hit epsilon, finish and number of steps. They are rendered in 32 windows of 32×32
         pixels spread over the picture, all of a small one, and held against the truth, as `octomarch.study` does. The
-        target has to be met with two standard errors to spare on one half of the windows, and to be met on the other
-        half too, so that it should hold for the rest of the picture. The cheapest are those with the fewest evaluations
-        of the field, which are the same on every machine.
+        target has to be met on one half of the windows with two standard errors or more to spare, and on the other half
+        too, so that it should hold for the rest of the picture; where that leaves doubt, up to 512 windows are looked
+        at. The cheapest settings are those with the fewest evaluations of the field, which are the same on every
+        machine.
 
         Parameters
         ----------

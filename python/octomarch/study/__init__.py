@@ -24,7 +24,7 @@ from octomarch.study.kept import Kept, fingerprint
 from octomarch.study.measure import Subject, measured
 from octomarch.study.result import Study
 from octomarch.study.rows import Measures, StudyRow, StudyTable
-from octomarch.study.search import Measured
+from octomarch.study.sample import Measured
 from octomarch.study.settings import GROUPS, Setting, far_limit, sweep
 from octomarch.study.truth import TRUTH_KINDS, Truth, TruthKind, find_truth
 
