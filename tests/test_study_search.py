@@ -68,8 +68,8 @@ def test_less_error_costs_more():
     counted = [measured.evaluations for measured in costs]
     assert counted[0] < counted[1] <= counted[2] + SAMPLING
     default = om.render(shape, camera, SIZE, planes=("depth",)).stats
-    counted = (default["primary_evaluations"] + default["cone_evaluations"]) / default["rays"]
-    assert costs[1].evaluations < counted  # the defaults are finer than that
+    of_defaults = (default["primary_evaluations"] + default["cone_evaluations"]) / default["rays"]
+    assert counted[1] < of_defaults  # which are finer than that
 
 
 def test_settings_are_the_cheapest_of_those_that_meet_the_target():

@@ -27,7 +27,7 @@ Window = tuple[int, int, int, int]
 _SIDE = 32  # pixels of a window, a multiple of a cone's eight
 _PROVEN = 0.5  # of the budget of a study
 _LATE = 0.05  # share of rays that may be farther off than the target: what a 95th percentile is
-_CAUTION = 2.0  # standard errors that a sample is taken to be better than the picture, by chance
+_CAUTION = 2.0  # standard errors by which a sample may differ from the picture by chance
 _FEW = 2.3  # with n windows (1 + 2.3 / (n - 1)) times as many: near the quantiles of Student's t
 
 
@@ -87,26 +87,26 @@ class Trial:
     share: float
     """Of the picture that was looked at."""
 
-    def meets(self, target: Target, *, caution: bool) -> bool:
-        """Tell whether the target is met, with caution so that it should be on the rest of the picture too."""
-        return self.late(target.p95, caution=caution) <= _LATE and self.ends_well(target)
+    def meets(self, target: Target, doubt: float = 0.0) -> bool:
+        """Tell whether the target is met; with doubt +1 for sure, on the rest of the picture too, with -1 perhaps."""
+        return self.late(target.p95, doubt) <= _LATE and self.ends_well(target)
 
-    def late(self, limit: float, *, caution: bool) -> float:
-        """Return which share of rays is farther off than `limit`, by an estimate on the safe side.
+    def late(self, limit: float, doubt: float = 0.0) -> float:
+        """Return which share of rays is farther off than `limit`: as seen, or at the most (+1) or the least (-1).
 
         Windows, not rays, are what was drawn: neighbours err together. The less of the picture is left unseen, the less
-        there is to be cautious about.
+        there is to be doubted.
         """
         counts = np.array([errors.size for errors in self.errors], dtype=np.float64)
         bad = np.array([np.count_nonzero(errors > limit) for errors in self.errors], dtype=np.float64)
         n, total = int(np.count_nonzero(counts)), max(float(counts.sum()), 1.0)
         mean = float(bad.sum()) / total
-        if not caution or self.share >= 1:
+        if not doubt or self.share >= 1:
             return mean
         if n < 2:
-            return 1.0
+            return max(doubt, 0.0)
         spread = float(np.sum((bad - mean * counts) ** 2)) * n / (n - 1)
-        deviations = _CAUTION * (1 + _FEW / (n - 1))
+        deviations = doubt * _CAUTION * (1 + _FEW / (n - 1))
         return mean + deviations * math.sqrt(spread * (1.0 - self.share)) / total
 
     def ends_well(self, target: Target) -> bool:

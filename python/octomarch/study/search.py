@@ -58,16 +58,15 @@ def march_for_error(
     sample = sampled(bare, camera, whole, base, _WINDOWS[0], *options)
     with _reporting(progress, "search", " settings") as report:
         trials = _tuned(sample.half(0), families, target, report)
-    hopeful = [trial for trial in trials if trial.meets(target, caution=False)]
     for count in _WINDOWS:
-        if count > _WINDOWS[0]:
+        if count > _WINDOWS[0] and sample.share < 1:
             sample = sampled(bare, camera, whole, base, count, *options)
-        found = _cheapest(sample, hopeful, target)
+        found, trials = _cheapest(sample, trials, target)
         if found is not None:
             return found
-        if not hopeful or sample.share >= 1:
+        if sample.share >= 1 or not any(trial.meets(target, -1) for trial in trials):
             break
-    raise ValueError(_how_near(sample, hopeful or trials, target))
+    raise ValueError(_how_near(sample, trials, target))
 
 
 def _families(base: March, size: float) -> list[list[March]]:
@@ -96,49 +95,53 @@ def _tuned(half: Sample, families: Sequence[list[March]], target: Target, report
     """Return what was measured on a half of the sample.
 
     Of each family the member with enough steps comes first: if that misses the target, fewer steps would too. Else all
-    are measured up to the least number of steps that leaves no doubt.
+    are measured up to the least number of steps that meets it for sure.
     """
     trials = []
     for done, family in enumerate(families):
         if report is not None:
             report(done, len(families))
         trials.append(half.trial(family[-1]))
-        if not trials[-1].meets(target, caution=False):
+        if not trials[-1].meets(target, -1):
             continue
         for march in family[:-1]:
             trials.append(half.trial(march))
-            if trials[-1].meets(target, caution=True):
+            if trials[-1].meets(target, 1):
                 break
     return trials
 
 
-def _cheapest(sample: Sample, trials: Sequence[Trial], target: Target) -> March | None:
-    """Return the cheapest settings that meet the target on one half of a sample for sure, and on the other half."""
-    for march in _by_cost(trials):
-        if not sample.half(0).trial(march).meets(target, caution=True):
+def _cheapest(sample: Sample, trials: Sequence[Trial], target: Target) -> tuple[March | None, list[Trial]]:
+    """Return the cheapest settings that meet the target on one half of a sample for sure, and on the other half.
+
+    And what was measured of those that came before them; of all others that may meet it, where there are none.
+    """
+    measured = []
+    for trial in sorted(trials, key=_cost):
+        if not trial.meets(target, -1):
             continue
-        if sample.half(1).trial(march).meets(target, caution=False):
-            found = replace(march)
-            object.__setattr__(found, "_measured", sample.trial(march).numbers(sample.truth))
-            return found
-    return None
+        measured.append(sample.half(0).trial(trial.march))
+        if measured[-1].meets(target, 1) and sample.half(1).trial(trial.march).meets(target):
+            found = replace(trial.march)
+            object.__setattr__(found, "_measured", sample.trial(found).numbers(sample.truth))
+            return found, measured
+    return None, measured or list(trials)
 
 
-def _by_cost(trials: Sequence[Trial]) -> list[March]:
-    """Return settings, those with the fewest evaluations first, of equal ones those with the fewest steps."""
-    return [trial.march for trial in sorted(trials, key=lambda trial: (trial.cost, trial.march.max_steps or 0))]
+def _cost(trial: Trial) -> tuple[float, int]:
+    """Return evaluations, and the number of steps to tell equal ones apart."""
+    return trial.cost, trial.march.max_steps or 0
 
 
 def _how_near(sample: Sample, trials: Sequence[Trial], target: Target) -> str:
     """Say which settings came nearest, those with few enough rays that end wrong first."""
 
     def distance(trial: Trial) -> tuple[bool, float, float]:
-        late = trial.late(target.p95, caution=False)
-        return not trial.ends_well(target), late, trial.numbers("").p95
+        return not trial.ends_well(target), trial.late(target.p95), trial.numbers("").p95
 
     nearest = sample.trial(min(trials, key=distance).march)
     found = nearest.numbers(sample.truth)
-    if nearest.meets(target, caution=False):
+    if nearest.meets(target):
         hint = f"; that it holds beyond the {sample.share:.0%} of the picture looked at is too doubtful"
     else:
         hint = "; precision='float64' comes nearer" if sample.precision == "float32" else ""
