@@ -146,7 +146,7 @@ class Sample:
         return told([part.truth for part in self.parts])
 
     def half(self, index: int) -> Sample:
-        """Return every other window; all of them where nothing of the picture is left unseen."""
+        """Return every other window; the one that there is where nothing of the picture is left unseen."""
         return self if self.share >= 1 else replace(self, parts=self.parts[index::2])
 
     def trial(self, march: March) -> Trial:
@@ -211,31 +211,32 @@ def sampled(
 
 
 def windows(size: tuple[int, int], count: int) -> list[Window]:
-    """Return windows of pixels spread over a picture, no two of which overlap; all of a small one.
+    """Return windows of pixels spread over a picture, no two of which overlap; one that is all of a small one.
 
     More windows are those of a smaller number, and others.
 
     Examples
     --------
     >>> windows((64, 40), 32)
-    [(0, 0, 32, 32), (32, 0, 32, 32), (0, 32, 32, 8), (32, 32, 32, 8)]
+    [(0, 0, 64, 40)]
     >>> len(windows((640, 480), 32))
     32
     """
     width, height = size
-    tiles = [(x, y) for y in range(0, height, _SIDE) for x in range(0, width, _SIDE)]
-    if len(tiles) > count:
-        tiles = [tiles[i] for i in _spread(math.ceil(width / _SIDE), math.ceil(height / _SIDE), count)]
-    return [(x, y, min(_SIDE, width - x), min(_SIDE, height - y)) for x, y in tiles]
+    columns, rows = math.ceil(width / _SIDE), math.ceil(height / _SIDE)
+    if columns * rows <= count:
+        return [(0, 0, width, height)]
+    corners = [(_SIDE * column, _SIDE * row) for column, row in _spread(columns, rows, count)]
+    return [(x, y, min(_SIDE, width - x), min(_SIDE, height - y)) for x, y in corners]
 
 
-def _spread(columns: int, rows: int, count: int) -> list[int]:
-    """Return `count` different tiles, by the additive recurrence of M. Roberts that fills a square evenly."""
+def _spread(columns: int, rows: int, count: int) -> list[tuple[int, int]]:
+    """Return `count` different cells, by the additive recurrence of M. Roberts that fills a square evenly."""
     plastic = 1.32471795724474602596
-    found: dict[int, None] = {}
+    found: dict[tuple[int, int], None] = {}
     index = 0
     while len(found) < count:
         u, v = (0.5 + index / plastic) % 1, (0.5 + index / plastic**2) % 1
-        found[int(v * rows) * columns + int(u * columns)] = None
+        found[int(u * columns), int(v * rows)] = None
         index += 1
     return list(found)

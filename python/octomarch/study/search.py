@@ -121,7 +121,7 @@ def _cheapest(sample: Sample, trials: Sequence[Trial], target: Target) -> tuple[
         if not trial.meets(target, -1):
             continue
         measured.append(sample.half(0).trial(trial.march))
-        if measured[-1].meets(target, 1) and sample.half(1).trial(trial.march).meets(target):
+        if measured[-1].meets(target, 1) and (sample.share >= 1 or sample.half(1).trial(trial.march).meets(target)):
             found = replace(trial.march)
             object.__setattr__(found, "_measured", sample.trial(found).numbers(sample.truth))
             return found, measured
