@@ -68,6 +68,49 @@ CUBE = om.box(1.0, center=(-3, 2, 0))
 SLANTED = om.DirectionalLight((1, -1, 0))
 
 
+def shadow_of(shape: om.Shape, method: str, shadows: str, precision: str = "float64") -> om.Image:
+    """Render a floor and what is above it, seen from there and lit from the side by one light."""
+    scene = om.Scene(shape.paint(DULL), lights=[om.DirectionalLight((1, -1, 0.2))], ambient=0)
+    shading = om.Shading(shadows=shadows, shadow_k=8, occlusion=0)
+    march = om.March(method, epsilon=1e-4, pixel_tolerance=0)
+    return om.render(scene, ABOVE, (64, 64), planes=("color",), march=march, shading=shading, precision=precision)
+
+
+CASTERS = [
+    pytest.param(FLOOR | om.sphere(0.6, center=(-2, 1.5, 0)), id="ball"),
+    pytest.param(FLOOR | om.torus(1.0, 0.2).rotate(70, "x").translate(-1, 1.3, 0), id="torus"),
+    pytest.param(FLOOR | (om.box(1.5, center=(-1, 1, 0)) - om.sphere(0.9, center=(-1, 1, 0))), id="carved box"),
+]
+
+
+@pytest.mark.parametrize("shadows", ["hard", "soft"])
+@pytest.mark.parametrize("shape", CASTERS)
+def test_long_steps_cast_the_shadows_of_plain_ones_with_half_the_work(shape: om.Shape, shadows: str):
+    """They are plain in penumbras: what differs is where the samples of these lie."""
+    plain, long = (shadow_of(shape, method, shadows) for method in ("plain", "auto"))
+    difference = np.abs(plain.color - long.color)[..., 0]
+    assert (plain.color[..., 0] < 0.25 * plain.color.max()).mean() > 0.01  # there is a shadow
+    assert difference.mean() < 2e-3 * plain.color.max()
+    assert (difference > 0.1 * plain.color.max()).mean() < 5e-3
+    assert long.stats["shadow_evaluations"] < 0.6 * plain.stats["shadow_evaluations"]
+
+
+@pytest.mark.parametrize("shadows", ["hard", "soft"])
+@pytest.mark.parametrize("shape", CASTERS)
+def test_shadows_of_long_steps_are_those_of_the_reference(shape: om.Shape, shadows: str):
+    """Samples differ by an approximated quotient, so that a few rays that graze an edge may fall on its other side."""
+    scene = om.Scene(shape.paint(DULL), lights=[om.DirectionalLight((1, -1, 0.2))], ambient=0)
+    options = {
+        "march": om.March("enhanced", epsilon=1e-4, pixel_tolerance=0),
+        "shading": om.Shading(shadows=shadows, shadow_k=8, occlusion=0),
+    }
+    fast = om.render(scene, ABOVE, (48, 48), planes=("color",), precision="float64", **options)
+    slow = om.reference.render(scene, ABOVE, (48, 48), planes=("color",), dtype="float64", **options)
+    difference = np.abs(fast.color - slow.color).max(axis=-1)
+    assert np.quantile(difference, 0.99) < 2e-3
+    assert (difference > 0.05).mean() < 2e-3
+
+
 def shadow(isa: str, shape: om.Shape, light, precision="float32", **shading) -> tuple[Array, Array, Array]:
     """Share of light that reaches the floor, and x and z there."""
     lit, position = shade(shape.paint(DULL), isa, [light], precision=precision, **shading)

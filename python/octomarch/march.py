@@ -75,7 +75,7 @@ class March:
         about each 8×8 pixels first, at whose end their rays begin [4]_. Of ``"fixed"`` a step is ``max(r, step)``, or
         the hit epsilon where that is more. It also finds solids whose field says no more than inside and outside
         (`octomarch.solid`), which are always marched by it, and may miss what is thinner than a step. Shadow rays
-        take plain steps where others take longer ones.
+        take longer steps only where the light is clear.
     max_steps : int, optional
         Evaluations per ray at the most, ≥ 1; those of cones are not counted. Rays that spend them all end as
         `Status.STEP_LIMIT`. None: 256; with fixed steps as many as may be needed from ``min_distance`` to

@@ -77,6 +77,7 @@ enum class Stepping : std::uint8_t {
   kBiased,    ///< by the field less a bias
   kRelaxed,   ///< by 1.6 times the field until that was too much, and the ray had to go back
   kEnhanced,  ///< by what the field's slope along the ray lets hope, and back where that was too much
+  kShadow,    ///< the same for shadow rays, but by the whole field in and near penumbras
   kFixed,     ///< by the field less a bias, but `step` and the hit epsilon at the least, into the solid
 };
 
@@ -91,6 +92,7 @@ struct MarchParameters {
   Real t_min;  ///< a ray that has arrived there is inside
   Real bias;   ///< for kBiased and kFixed
   Real step;   ///< for kFixed
+  Real k;      ///< of soft shadows, for shadow rays: the visibility is the least of k·r/t and 1; +inf for hard ones
 };
 
 /// Work done, for image.stats: exact counts.
@@ -226,18 +228,18 @@ struct KernelTable {
   std::uint64_t (*step_cones)(const ConeView<Real>&, const MarchParameters<Real>&, const Real* field,
                               std::uint64_t live);
   /// Rays at their start; t is NaN where anything of the ray is not finite, and past the end. `carried`: what `before` holds
-  /// at first.
+  /// at first; where steps are long that is always kNothingBefore, and for kShadow `boldness` holds it.
   void (*begin_march)(const RayView<Real>&, const MarchParameters<Real>&, Real carried, const MarchState<Real>&);
   /// Marches rays in refilled blocks until each is paused. `region`: of the tape, in which all next samples lie; null where
   /// it may be run everywhere. rays.start is not read.
   void (*march)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                 const Region<Real>* region, const MarchState<Real>&, Counters&);
-  /// The same for shadow rays: `before` is the visibility of each ray's far end so far, the least of k·r/t and 1 over
-  /// samples (k = +inf: hard shadows). Steps are never relaxed.
-  void (*march_shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&, Real k,
+  /// The same for shadow rays: `before`, or for kShadow `boldness`, is the visibility of each ray's far end so far, over its
+  /// samples. No other long steps.
+  void (*march_shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                        const Region<Real>* region, const MarchState<Real>&, Counters&);
   /// What shadow rays let through: 0 where they met something.
-  void (*visibility)(const RayView<Real>&, const MarchState<Real>&, Real* out);
+  void (*visibility)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&, Real* out);
   /// What became of rays that have ended or are spent: octomarch::Status, and t, +inf for misses and invalid rays.
   void (*conclude)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&, std::uint8_t* status);
   /// Ends of the secants of hits, and the points there; NaN for other rays and for hits that have been followed. Returns

@@ -11,7 +11,7 @@ namespace octomarch::kernels::OCTOMARCH_ISA {
 inline constexpr std::uint8_t kHit = 0, kMiss = 1, kStepLimit = 2, kInside = 3, kInvalid = 4;
 
 constexpr bool is_relaxed(Stepping stepping) {
-  return stepping == Stepping::kRelaxed || stepping == Stepping::kEnhanced;
+  return stepping == Stepping::kRelaxed || stepping == Stepping::kEnhanced || stepping == Stepping::kShadow;
 }
 
 template <class Real>
@@ -23,10 +23,10 @@ void begin_march(const RayView<Real>& rays, const MarchParameters<Real>& paramet
   for (std::size_t i = 0; i < end; i += kWidth<Real>) {
     const T sum = at(rays.ox, i) + at(rays.oy, i) + at(rays.oz, i) + at(rays.dx, i) + at(rays.dy, i) + at(rays.dz, i);
     (sum * T(Real(0)) + at(rays.start, i)).store(state.t + i);
-    T(carried).store(state.before + i);
+    T(relaxed ? kNothingBefore<Real> : carried).store(state.before + i);
     if (!relaxed) continue;
     T(kNothingBefore<Real>).store(state.stride + i);
-    T(kFirstBoldness<Real>).store(state.boldness + i);
+    T(parameters.stepping == Stepping::kShadow ? carried : kFirstBoldness<Real>).store(state.boldness + i);
   }
   for (std::size_t i = rays.count; i < end; ++i) state.t[i] = std::numeric_limits<Real>::quiet_NaN();
   for (std::size_t i = 0; state.steps != nullptr && i < rays.count; ++i) state.steps[i] = 0;
@@ -58,14 +58,16 @@ void for_each_block(std::size_t count, const std::uint8_t* bytes, std::uint8_t v
 }
 
 template <class Real>
-void visibility(const RayView<Real>& rays, const MarchState<Real>& state, Real* out) {
+void visibility(const RayView<Real>& rays, const MarchParameters<Real>& parameters, const MarchState<Real>& state,
+                Real* out) {
   using T = Lanes<Real>;
+  const Real* const seen = parameters.stepping == Stepping::kShadow ? state.boldness : state.before;
   const auto ended = static_cast<std::uint8_t>(Pause::kEnded);
   for_each_block(rays.count, state.pause, ended, [&](std::size_t first, std::uint64_t bits) {
     for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
       const std::size_t i = first + lane;
       const Mask<Real> blocked = Mask<Real>::from_bits(bits >> lane) & (T::load(state.t + i) <= at(rays.t_max, i));
-      select(blocked, T(Real(0)), max(T::load(state.before + i), T(Real(0)))).store(out + i);
+      select(blocked, T(Real(0)), max(T::load(seen + i), T(Real(0)))).store(out + i);
     }
   });
 }

@@ -279,43 +279,46 @@ class Marcher {
   std::size_t next_ray_ = 0;
 };
 
-/// Calls f with the steps that the parameters ask for.
-template <class Real, class Function>
-void with_steps(const MarchParameters<Real>& parameters, Function&& f) {
+template <class Real>
+void march(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
+           const Region<Real>* region, const MarchState<Real>& state, Counters& counters) {
+  const auto run_task = [&]<class Steps, class Task>(const Steps&, const Task& task) {
+    Marcher<Real, Steps, Task>(tape, memory, rays, parameters, region, state, task, counters).run();
+  };
+  const auto run = [&]<class Steps>(const Steps& steps) {
+    if (parameters.finish) {
+      run_task(steps, HitTask<Real, Steps, Steps::kFinish>{});
+    } else {
+      run_task(steps, HitTask<Real, Steps, Finish::kNone>{});
+    }
+  };
   switch (parameters.stepping) {
-    case Stepping::kPlain: return f(PlainSteps<Real>(parameters));
-    case Stepping::kBiased: return f(BiasedSteps<Real>(parameters));
-    case Stepping::kRelaxed: return f(LongSteps<Real, Stepping::kRelaxed>(parameters));
-    case Stepping::kEnhanced: return f(LongSteps<Real, Stepping::kEnhanced>(parameters));
-    case Stepping::kFixed: return f(FixedSteps<Real>(parameters));
+    case Stepping::kPlain: return run(PlainSteps<Real>(parameters));
+    case Stepping::kBiased: return run(BiasedSteps<Real>(parameters));
+    case Stepping::kRelaxed: return run(LongSteps<Real, Stepping::kRelaxed>(parameters));
+    case Stepping::kEnhanced: return run(LongSteps<Real, Stepping::kEnhanced>(parameters));
+    case Stepping::kFixed: return run(FixedSteps<Real>(parameters));
+    case Stepping::kShadow: return;  // of shadow rays alone
   }
 }
 
 template <class Real>
-void march(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
-           const Region<Real>* region, const MarchState<Real>& state, Counters& counters) {
-  with_steps(parameters, [&]<class Steps>(const Steps&) {
-    const auto run = [&]<class Task>(const Task& task) {
-      Marcher<Real, Steps, Task>(tape, memory, rays, parameters, region, state, task, counters).run();
-    };
-    if (parameters.finish) {
-      run(HitTask<Real, Steps, Steps::kFinish>{});
-    } else {
-      run(HitTask<Real, Steps, Finish::kNone>{});
-    }
-  });
-}
-
-template <class Real>
 void march_shadow(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays,
-                  const MarchParameters<Real>& parameters, Real k, const Region<Real>* region,
-                  const MarchState<Real>& state, Counters& counters) {
-  const ShadowTask<Real> task{Lanes<Real>(k)};
-  with_steps(parameters, [&]<class Steps>(const Steps&) {
-    if constexpr (!Steps::kIsRelaxed) {
-      Marcher<Real, Steps, ShadowTask<Real>>(tape, memory, rays, parameters, region, state, task, counters).run();
-    }
-  });
+                  const MarchParameters<Real>& parameters, const Region<Real>* region, const MarchState<Real>& state,
+                  Counters& counters) {
+  const auto run = [&]<class Steps>(const Steps&) {
+    using Task = ShadowTask<Real, Steps>;
+    const Task task{Lanes<Real>(parameters.k)};
+    Marcher<Real, Steps, Task>(tape, memory, rays, parameters, region, state, task, counters).run();
+  };
+  switch (parameters.stepping) {
+    case Stepping::kPlain: return run(PlainSteps<Real>(parameters));
+    case Stepping::kBiased: return run(BiasedSteps<Real>(parameters));
+    case Stepping::kShadow: return run(LongSteps<Real, Stepping::kShadow>(parameters));
+    case Stepping::kFixed: return run(FixedSteps<Real>(parameters));
+    case Stepping::kRelaxed:
+    case Stepping::kEnhanced: return;  // of other rays
+  }
 }
 
 }  // namespace octomarch::kernels::OCTOMARCH_ISA

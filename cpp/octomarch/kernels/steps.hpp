@@ -108,7 +108,8 @@ Lanes<Real> rough_reciprocal(const Lanes<Real>& a) {
 /// Sphere tracing with steps longer than the empty sphere, which go back to its end where the next one does not touch it.
 /// kRelaxed: by 0.6 of the radius, for as long as that holds (B. Keinert et al., "Enhanced sphere tracing", STAG 2014).
 /// kEnhanced: by 0.88 of what the slope of the last step lets hope (C. Bálint, G. Valasek, "Accelerating sphere tracing",
-/// EG 2018). The state's `carried` is r of the last sample that the ray stands by, `stride` how far it has gone from there.
+/// EG 2018). kShadow: the same, but for where the light is dimmed or nearly so, for that is read off the samples. The state's
+/// `carried` is r of the last sample that the ray stands by, `stride` how far it has gone from there.
 template <class Real, Stepping kStepping>
 struct LongSteps {
   using T = Lanes<Real>;
@@ -118,10 +119,14 @@ struct LongSteps {
   /// Slopes are taken for less than 1, at which a ray would never come near anything again.
   static constexpr Real kSteepest = Real(0.9375);
 
-  explicit LongSteps(const MarchParameters<Real>& /*parameters*/) {}
+  /// Shadow rays take long steps where k·r/t, of which 1 is full light, is no less than this.
+  static constexpr Real kClear = Real(2);
+  T k;
 
-  static Step<Real> advance(BlockState<Real>& state, std::size_t lane, const T& t, const T& r, const T& epsilon,
-                            const T& t_max) {
+  explicit LongSteps(const MarchParameters<Real>& parameters) : k(parameters.k) {}
+
+  Step<Real> advance(BlockState<Real>& state, std::size_t lane, const T& t, const T& r, const T& epsilon,
+                     const T& t_max) const {
     const T before = T::load(state.carried + lane);
     const T stride = T::load(state.stride + lane);
     const Mask<Real> within = t <= t_max;
@@ -138,6 +143,7 @@ struct LongSteps {
       const T growth = min(r - before, stride * T(kSteepest));
       beyond = r * T(kStrength) * (stride + growth) * rough_reciprocal(stride - growth);
     }
+    if constexpr (kStepping == Stepping::kShadow) beyond = select(k * r >= T(kClear) * t, beyond, T(Real(0)));
     // What lies between the last empty sphere and t_max is not passed unseen. The way there is a little less than it is, so
     // that no sum is rounded to what is past t_max. A NaN passes a maximum's second operand.
     const T way_left = (t_max - t) * T(Real(1) - Real(4) * std::numeric_limits<Real>::epsilon());

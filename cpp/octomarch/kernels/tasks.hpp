@@ -22,19 +22,21 @@ struct HitTask {
   }
 };
 
-/// Finds how much of a light passes. Carried: the visibility so far.
-template <class Real>
+/// Finds how much of a light passes. The visibility so far is carried, or takes the place of the boldness that these long steps
+/// do without. Samples from which a long step goes back count too: they are of the ray.
+template <class Real, class Steps>
 struct ShadowTask {
   using T = Lanes<Real>;
-  static constexpr bool kIsRelaxed = false;
+  static constexpr bool kIsRelaxed = Steps::kIsRelaxed;
   static constexpr bool kCarries = true;
   T k;
 
   void observe(BlockState<Real>& state, std::size_t lane, const T& t, const T& r, const T& t_max,
                const Mask<Real>& /*goes_on*/) const {
-    const T so_far = T::load(state.carried + lane);
+    Real* const seen = (kIsRelaxed ? state.boldness : state.carried) + lane;
+    const T so_far = T::load(seen);
     const T penumbra = min(k * r / t, so_far);
-    select(t <= t_max, penumbra, so_far).store(state.carried + lane);
+    select(t <= t_max, penumbra, so_far).store(seen);
   }
 };
 

@@ -171,8 +171,7 @@ struct Boldness {
 
   T beyond(T radius, const RaySample<T>& stood, T stride) const {
     if (method == Method::kRelaxed) return has_failed ? T(0) : T(0.6) * radius;
-    const T growth = std::min(radius - stood.radius, T(0.9375) * stride);
-    return T(0.88) * radius * (stride + growth) / (stride - growth);
+    return hoped_beyond(radius, stood.radius, stride);
   }
 };
 
@@ -215,8 +214,7 @@ template <class T>
 Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
   if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vector<T>(0)) return {};
   if (limits.t_min > limits.t_max) return {Status::kMiss, kNowhere<T>, 0};
-  const bool straight = limits.method == Method::kPlain || limits.method == Method::kFixed || limits.bias > T(0);
-  return straight ? march_straight(field, ray, limits) : march_relaxed(field, ray, limits);
+  return limits.is_straight() ? march_straight(field, ray, limits) : march_relaxed(field, ray, limits);
 }
 
 template <class T>

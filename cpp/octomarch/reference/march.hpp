@@ -2,6 +2,7 @@
 // and the queries come after.
 #pragma once
 
+#include <algorithm>
 #include <limits>
 
 #include "octomarch/graph/scene.hpp"
@@ -72,7 +73,17 @@ struct MarchLimits {
   T least_step(const Ray<T>& ray, T t) const;
   /// How far it goes on from there if it has not arrived.
   T advance(const Ray<T>& ray, T t, T radius) const;
+  /// Are steps never longer than the empty sphere, or if so then whatever the slope?
+  bool is_straight() const { return method == Method::kPlain || method == Method::kFixed || bias > T(0); }
 };
+
+/// How far beyond the empty sphere a step goes by what the slope from the sample before lets hope, after Bálint and Valasek.
+/// `before`: the radius there, `stride`: the way from it.
+template <class T>
+T hoped_beyond(T radius, T before, T stride) {
+  const T growth = std::min(radius - before, T(0.9375) * stride);
+  return T(0.88) * radius * (stride + growth) / (stride - growth);
+}
 
 template <class T>
 struct Arrival {

@@ -152,19 +152,32 @@ T Shader<T>::ambient_occlusion(const Vector<T>& origin, const Vector<T>& normal)
   return expected > T(0) ? T(1) - std::clamp(missing / expected, T(0), T(1)) : T(1);
 }
 
-/// 0 behind something, 1 in free view of the light; in between, for soft shadows, the smallest k·(distance / way).
+/// 0 behind something, 1 in free view of the light; in between, for soft shadows, the smallest k·(distance / way) over the
+/// samples. Where steps are long, they are plain again where that comes near 1.
 template <class T>
 T Shader<T>::visibility(const Vector<T>& origin, const Beam& beam) {
   if (shading_.shadows == Shadows::kNone) return T(1);
   const Ray<T> ray{.origin = origin, .direction = beam.toward_light};  // without a pixel's footprint
-  const bool soft = shading_.shadows == Shadows::kSoft && !field_.is_solid();
+  const bool is_soft = shading_.shadows == Shadows::kSoft && !field_.is_solid();
+  const T k = is_soft ? T(shading_.shadow_k) : std::numeric_limits<T>::infinity();
   T openness = T(1);
+  T before = T(0);  // the radius of the last sample that was kept
+  T stride = T(0);
   T t = T(0);
   for (int step = 0; step < limits_.max_steps && t <= beam.distance; ++step) {
     const T radius = field_.distance(origin + beam.toward_light * t) / limits_.lipschitz;
+    if (t > T(0)) openness = std::min(openness, k * radius / t);
+    if (stride > before && !(stride <= before + std::abs(radius))) {  // the step was too long
+      t += before - stride;
+      stride = before;
+      continue;
+    }
     if (limits_.arrived(ray, t, radius)) return T(0);
-    if (soft && t > T(0)) openness = std::min(openness, T(shading_.shadow_k) * radius / t);
-    t += limits_.advance(ray, t, radius);
+    const bool is_long = !limits_.is_straight() && step > 0 && k * radius >= T(2) * t;
+    const T beyond = is_long ? hoped_beyond(radius, before, stride) : T(0);
+    stride = is_long ? std::max(radius, std::min(radius + beyond, beam.distance - t)) : limits_.advance(ray, t, radius);
+    before = limits_.is_straight() ? stride : radius;
+    t += stride;
   }
   return std::clamp(openness, T(0), T(1));
 }

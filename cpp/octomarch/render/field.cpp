@@ -371,15 +371,13 @@ void Field<Real>::follow_secants(const kernels::RayView<Real>& rays, const kerne
 
 template <class Real>
 void Field<Real>::cast_shadows(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                               Real k, RayBatch<Real>& batch, Real* visibility, kernels::Counters& counters) {
+                               RayBatch<Real>& batch, Real* visibility, kernels::Counters& counters) {
   const kernels::MarchState<Real> state = batch.state(nullptr);
   kernels_.begin_march(rays, parameters, Real(1), state);
-  march_all(rays, parameters, state,
-            [&](const kernels::TapeView<Real>& tape, Real* memory, const Rays& r, const Parameters& p,
-                const auto* region, const State& s) {
-              counted(tape, counters, [&] { kernels_.march_shadow(tape, memory, r, p, k, region, s, counters); });
-            });
-  kernels_.visibility(rays, state, visibility);
+  march_all(rays, parameters, state, [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
+    counted(tape, counters, [&] { kernels_.march_shadow(tape, rest..., counters); });
+  });
+  kernels_.visibility(rays, parameters, state, visibility);
 }
 
 template std::shared_ptr<Octree<float>> octree_for(const Program&, const March&, const Vec3&, double);

@@ -47,8 +47,8 @@ class Field {
   /// Fills t and status of `batch`, and `steps` (exactly rays.count long) unless it is null.
   void march(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
              RayBatch<Real>& batch, std::int32_t* steps, kernels::Counters& counters);
-  /// How much of each ray's far end is seen from its origin; k as in Shading, +inf for hard shadows.
-  void cast_shadows(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters, Real k,
+  /// How much of each ray's far end is seen from its origin.
+  void cast_shadows(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                     RayBatch<Real>& batch, Real* visibility, kernels::Counters& counters);
 
  private:

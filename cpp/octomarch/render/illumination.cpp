@@ -135,11 +135,11 @@ void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& l
     t_max = {nullptr, distance_[0]};
   }
   const kernels::RayView<Real> rays = columns.view({}, t_max, lit_.size());
-  const kernels::MarchParameters<Real> parameters =
-      shadow_parameters(*picture_.program, picture_.march, columns.epsilon_slope, cancelled);
   const bool soft = picture_.shading.shadows == Shadows::kSoft && !picture_.program->is_solid();
   const Real k = soft ? clamped<Real>(picture_.shading.shadow_k) : std::numeric_limits<Real>::infinity();
-  surface.field().cast_shadows(rays, parameters, k, shadow_, shadow_visibility_.data(), stats.shadow);
+  const kernels::MarchParameters<Real> parameters =
+      shadow_parameters(*picture_.program, picture_.march, k, columns.epsilon_slope, cancelled);
+  surface.field().cast_shadows(rays, parameters, shadow_, shadow_visibility_.data(), stats.shadow);
   stats.shadow_rays += lit_.size();
   for (std::size_t k = 0; k < lit_.size(); ++k) visibility_[lit_[k]] = shadow_visibility_[k];
 }

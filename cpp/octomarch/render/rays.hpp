@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "octomarch/graph/scene.hpp"
 #include "octomarch/graph/site.hpp"
@@ -111,7 +112,8 @@ kernels::MarchParameters<Real> march_parameters(const Program& program, const Ma
           stepping_of(march),
           clamped<Real>(march.min_distance),
           clamped<Real>(march.bias),
-          clamped<Real>(march.step)};
+          clamped<Real>(march.step),
+          std::numeric_limits<Real>::infinity()};
 }
 
 /// The same for rays that leave a surface, and begin there.
@@ -122,12 +124,18 @@ kernels::MarchParameters<Real> secondary_parameters(const Program& program, Marc
   return march_parameters(program, march, epsilon_slope, cancelled);
 }
 
-/// The same for shadow rays: how much of a light passes is read off the samples of plain steps.
+/// The same for shadow rays. Where steps are long, they are as long as lets shadows stay what they are. `k`: of soft ones, +∞
+/// for hard ones.
 template <class Real>
-kernels::MarchParameters<Real> shadow_parameters(const Program& program, March march, Real epsilon_slope,
+kernels::MarchParameters<Real> shadow_parameters(const Program& program, const March& march, Real k, Real epsilon_slope,
                                                  const bool& cancelled) {
-  if (!is_fixed(march.method)) march.method = Method::kPlain;
-  return secondary_parameters(program, march, epsilon_slope, cancelled);
+  kernels::MarchParameters<Real> parameters = secondary_parameters(program, march, epsilon_slope, cancelled);
+  using kernels::Stepping;
+  if (parameters.stepping == Stepping::kRelaxed || parameters.stepping == Stepping::kEnhanced) {
+    parameters.stepping = Stepping::kShadow;
+  }
+  parameters.k = k;
+  return parameters;
 }
 
 }  // namespace octomarch
