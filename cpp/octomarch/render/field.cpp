@@ -1,7 +1,5 @@
 #include "octomarch/render/field.hpp"
 
-#include <cmath>
-
 #include "octomarch/base/parallel.hpp"
 
 namespace octomarch {
@@ -19,19 +17,6 @@ void counted(const kernels::TapeView<Real>& tape, kernels::Counters& counters, R
   const std::uint64_t before = counters.lane_slots;
   run();
   counters.instructions += (counters.lane_slots - before) * tape.length;
-}
-
-/// Rays that pass the solid's bounds by more than so many hit epsilons hit nothing.
-constexpr double kRoomForHits = 4.0;
-
-/// Bounds are taken to a grid of about 2⁻⁸ radii, so that roundings of a far scene's make no difference.
-constexpr double kGridBits = 8.0;
-
-/// A box that holds another, with its corners on a grid.
-Aabb on_grid(const Aabb& box, double grid) {
-  const auto below = [grid](double a) { return (std::round(a / grid) - 1.0) * grid; };
-  const auto above = [grid](double a) { return (std::round(a / grid) + 1.0) * grid; };
-  return {{below(box.lo.x), below(box.lo.y), below(box.lo.z)}, {above(box.hi.x), above(box.hi.y), above(box.hi.z)}};
 }
 
 /// How many steps a ray makes in a cell, about.
@@ -97,9 +82,13 @@ void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std
 template <class Real>
 void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
                            Real* out) {
-  if (!groups_) return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
+  if (!groups_) {
+    instructions_ += kernels::padded_lanes(count) * tape_.view().length;
+    return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
+  }
   Buffer<Real>& values = sorted_.values.x;
   for_each_group(points, count, cancelled, tape_, [&](const auto& tape, const CellGroup<Real>& group) {
+    instructions_ += kernels::padded_lanes(group.count) * tape.length;
     kernels_.distance(tape, tape_.memory(), sorted_.points.from(group.first), group.count, &cancelled,
                       values.data() + group.first);
   });
@@ -147,93 +136,6 @@ void Field<Real>::sample_around(const kernels::Vectors<const Real>& points, std:
       out.z[i] += values_[i] * offset[2];
     }
   }
-}
-
-template <class Real>
-void Field<Real>::advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                                   Buffer<Real>& start, Buffer<Real>& end, kernels::Counters& counters) {
-  constexpr std::size_t kRays = Cones::kMost * kernels::kLanes;
-  const bool is_bound = is_bounded(program_.site().bounds);
-  for (std::size_t first = 0; first < rays.count; first += kRays) {
-    const std::size_t count = std::min(kRays, rays.count - first);
-    march_cones(rays.from(first, count), parameters, counters);
-    for (std::size_t i = 0; i < count; i += kernels::kLanes) {
-      std::fill_n(start.data() + first + i, kernels::kLanes, cones_.t[i / kernels::kLanes]);
-      if (is_bound) std::fill_n(end.data() + first + i, kernels::kLanes, cones_.t_max[i / kernels::kLanes]);
-    }
-  }
-}
-
-/// Marches a cone about each block of rays, of kLanes blocks at the most.
-template <class Real>
-void Field<Real>::march_cones(const Rays& rays, const Parameters& parameters, kernels::Counters& counters) {
-  const std::size_t count = rays.count / kernels::kLanes;
-  const kernels::ConeView<Real> cones{count,
-                                      cones_.origin.view(),
-                                      cones_.direction.view(),
-                                      cones_.width.data(),
-                                      cones_.spread.data(),
-                                      cones_.epsilon.data(),
-                                      cones_.t_max.data(),
-                                      cones_.t.data()};
-  Parameters from_start = parameters;
-  from_start.t_min = rays.start.value;
-  kernels_.fit_cones(rays, from_start, cones);
-  std::uint64_t live = enter_bounds(parameters, count);
-  for (int step = 0; live != 0 && step < parameters.max_steps && !is_set(*parameters.cancelled); ++step) {
-    kernels_.cone_points(cones, points_.view());
-    for (std::size_t i = 0; i < count; ++i) {  // those that have ended need no evaluation
-      if ((live >> i & 1U) == 0) points_.x[i] = std::numeric_limits<Real>::quiet_NaN();
-    }
-    distance(points_.read(), count, *parameters.cancelled, values_.data());
-    counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
-    counters.lane_slots += kernels::kLanes;
-    live = kernels_.step_cones(cones, parameters, values_.data(), live);
-  }
-}
-
-/// Moves cones to where they enter the solid's bounds, and their ends to where they leave them; those that miss them end before
-/// they begin. Returns which are left. Bounds are widened by how wide a cone is at their far end.
-template <class Real>
-std::uint64_t Field<Real>::enter_bounds(const Parameters& parameters, std::size_t count) {
-  std::uint64_t live = ~std::uint64_t{0} >> (kernels::kLanes - count);
-  const Site& site = program_.site();
-  if (!is_bounded(site.bounds) || is_empty(site.bounds)) return live;
-  const Aabb box = on_grid(site.bounds, std::exp2(std::floor(std::log2(site.radius)) - kGridBits));
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto number = [i](const Buffer<Real>& row) { return static_cast<double>(row[i]); };
-    const Vec3 o{number(cones_.origin.x), number(cones_.origin.y), number(cones_.origin.z)};
-    const Vec3 d{number(cones_.direction.x), number(cones_.direction.y), number(cones_.direction.z)};
-    const Vec3 farthest{std::max(std::fabs(box.lo.x - o.x), std::fabs(box.hi.x - o.x)),
-                        std::max(std::fabs(box.lo.y - o.y), std::fabs(box.hi.y - o.y)),
-                        std::max(std::fabs(box.lo.z - o.z), std::fabs(box.hi.z - o.z))};
-    const double past = length(farthest) + number(cones_.width);
-    const double epsilon = std::max(number(cones_.epsilon), static_cast<double>(parameters.epsilon_slope) * past);
-    const double room = (number(cones_.width) + number(cones_.spread) * past) * 1.01 + kRoomForHits * epsilon;
-    double enter = number(cones_.t);
-    double leave = std::min(number(cones_.t_max), past);
-    const auto clip = [&](double origin, double direction, double lo, double hi) {
-      if (direction == 0.0) {
-        if (origin < lo - room || origin > hi + room) leave = -kInfinity;
-        return;
-      }
-      const double a = (lo - room - origin) / direction;
-      const double b = (hi + room - origin) / direction;
-      enter = std::max(enter, std::min(a, b));
-      leave = std::min(leave, std::max(a, b));
-    };
-    clip(o.x, d.x, box.lo.x, box.hi.x);
-    clip(o.y, d.y, box.lo.y, box.hi.y);
-    clip(o.z, d.z, box.lo.z, box.hi.z);
-    if (enter <= leave) {
-      cones_.t[i] = static_cast<Real>(enter);
-      cones_.t_max[i] = static_cast<Real>(leave);
-    } else if (enter > leave) {  // not where they are NaN
-      cones_.t_max[i] = Real(-1);
-      live &= ~(std::uint64_t{1} << i);
-    }
-  }
-  return live;
 }
 
 template <class Real>

@@ -102,6 +102,7 @@ class Field {
   Sorted sorted_;
   std::vector<std::uint32_t> active_, still_active_;  ///< rays that go on, in this round and the next
   std::vector<std::int32_t> taken_;                   ///< steps of each ray so far
+  std::uint64_t instructions_ = 0;                    ///< that distances have taken, at all lanes
 };
 
 }  // namespace octomarch

@@ -105,43 +105,51 @@ kernels::LightView<Real> Illumination<Real>::light_view(const Light& light) cons
   return view;
 }
 
+/// Finds the points that a light reaches unless something is in between. Where that is all of them, their rows serve as they are.
 template <class Real>
-void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& light, const bool& cancelled,
-                                      RenderStats& stats) {
-  const bool directional = light.kind == LightKind::kDirectional;
+typename Illumination<Real>::ShadowRays Illumination<Real>::find_lit(const SurfacePass<Real>& surface) {
   lit_.clear();
   for (std::size_t i = 0; i < surface.count(); ++i) {
-    if (!(cosine_[i] > Real(0) && strength_[i] > Real(0))) continue;
-    const std::size_t k = lit_.size();
-    lit_.push(i);
+    if (cosine_[i] > Real(0) && strength_[i] > Real(0)) lit_.push(i);
+  }
+  if (lit_.size() == surface.count()) return {surface.origin, toward_, distance_, visibility_};
+  for (std::size_t k = 0; k < lit_.size(); ++k) {
+    const std::size_t i = lit_[k];
     shadow_.origin.x[k] = surface.origin.x[i];
     shadow_.origin.y[k] = surface.origin.y[i];
     shadow_.origin.z[k] = surface.origin.z[i];
-    if (directional) continue;
     shadow_.direction.x[k] = toward_.x[i];
     shadow_.direction.y[k] = toward_.y[i];
     shadow_.direction.z[k] = toward_.z[i];
     shadow_distance_[k] = distance_[i];
   }
-  // no pixel footprint: in a corner the other wall is often nearer than that, and would cast a shadow
-  set_epsilons(picture_.march, picture_.program->site(), 0.0, shadow_.origin, lit_.size(), shadow_epsilon_);
+  return {shadow_.origin, shadow_.direction, shadow_distance_, shadow_visibility_};
+}
 
-  RayColumns<Real> columns = own_columns(shadow_.origin, shadow_.direction, shadow_epsilon_);
-  kernels::Column<Real> t_max{shadow_distance_.data(), 0};
-  if (directional) {
+template <class Real>
+void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& light, const bool& cancelled,
+                                      RenderStats& stats) {
+  const ShadowRays rays = find_lit(surface);
+  const std::size_t count = lit_.size();
+  // no pixel footprint: in a corner the other wall is often nearer than that, and would cast a shadow
+  set_epsilons(picture_.march, picture_.program->site(), 0.0, rays.origin, count, shadow_epsilon_);
+  RayColumns<Real> columns = own_columns(rays.origin, rays.direction, shadow_epsilon_);
+  kernels::Column<Real> t_max{rays.distance.data(), 0};
+  if (light.kind == LightKind::kDirectional) {
     columns.dx = {nullptr, toward_.x[0]};
     columns.dy = {nullptr, toward_.y[0]};
     columns.dz = {nullptr, toward_.z[0]};
     t_max = {nullptr, distance_[0]};
   }
-  const kernels::RayView<Real> rays = columns.view({}, t_max, lit_.size());
   const bool soft = picture_.shading.shadows == Shadows::kSoft && !picture_.program->is_solid();
   const Real k = soft ? clamped<Real>(picture_.shading.shadow_k) : std::numeric_limits<Real>::infinity();
   const kernels::MarchParameters<Real> parameters =
       shadow_parameters(*picture_.program, picture_.march, k, columns.epsilon_slope, cancelled);
-  surface.field().cast_shadows(rays, parameters, shadow_, shadow_visibility_.data(), stats.shadow);
-  stats.shadow_rays += lit_.size();
-  for (std::size_t k = 0; k < lit_.size(); ++k) visibility_[lit_[k]] = shadow_visibility_[k];
+  surface.field().cast_shadows(columns.view({}, t_max, count), parameters, shadow_, rays.visibility.data(),
+                               stats.shadow);
+  stats.shadow_rays += count;
+  if (&rays.visibility == &visibility_) return;
+  for (std::size_t i = 0; i < count; ++i) visibility_[lit_[i]] = shadow_visibility_[i];
 }
 
 template class Illumination<float>;

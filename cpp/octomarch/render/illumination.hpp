@@ -28,6 +28,14 @@ class Illumination {
   void add_ambient(SurfacePass<Real>& surface, const VectorBuffer<Real>& albedo, const bool& cancelled,
                    RenderStats& stats);
   void find_occlusion(SurfacePass<Real>& surface, const bool& cancelled);
+  /// Rows of shadow rays.
+  struct ShadowRays {
+    const VectorBuffer<Real>& origin;
+    const VectorBuffer<Real>& direction;
+    const Buffer<Real>& distance;
+    Buffer<Real>& visibility;
+  };
+  ShadowRays find_lit(const SurfacePass<Real>& surface);
   void cast_shadows(SurfacePass<Real>& surface, const Light& light, const bool& cancelled, RenderStats& stats);
 
   kernels::LightView<Real> light_view(const Light& light) const;
@@ -41,7 +49,7 @@ class Illumination {
   Buffer<Real> distance_, cosine_, strength_, visibility_, ambient_;
   VectorBuffer<Real> above_;  ///< where occlusion is sampled
   Buffer<Real> field_above_;
-  // shadow rays, gathered where a light is above the surface's horizon and sends light
+  // shadow rays, gathered where a light is above the horizon of some surface points only
   IndexList lit_;
   RayBatch<Real> shadow_;
   Buffer<Real> shadow_distance_, shadow_epsilon_, shadow_visibility_;

@@ -50,7 +50,7 @@ void Radiance<Real>::light_wave(const RayBatch<Real>& batch, const RayColumns<Re
                                 SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
   stats.surface_evaluations += materials_.run(surface, cancelled);
   illumination_.run(surface, materials_, cancelled, stats);
-  add_surfaces(surface);
+  add_surfaces(surface, count);
 
   sky_.clear();
   const auto look = [&](std::size_t ray) {
@@ -67,10 +67,14 @@ void Radiance<Real>::light_wave(const RayBatch<Real>& batch, const RayColumns<Re
 }
 
 template <class Real>
-void Radiance<Real>::add_surfaces(SurfacePass<Real>& surface) {
+void Radiance<Real>::add_surfaces(SurfacePass<Real>& surface, std::size_t count) {
+  mirrors_.clear();
+  if (first_wave_ && bounces_left_ == 0 && !surface.has_candidates() && surface.count() == count) {
+    add_all(illumination_.color(), count);
+    return;
+  }
   const Real cutoff = clamped<Real>(picture_.shading.reflection_cutoff);
   const Real* const reflectivity = materials_.view().reflectivity;
-  mirrors_.clear();
   for (std::size_t i = 0; i < surface.count(); ++i) {
     if (surface.is_nothing(i)) continue;
     const std::size_t ray = surface.ray(i);
@@ -98,6 +102,14 @@ void Radiance<Real>::add(std::size_t ray, Real share, const VectorBuffer<Real>& 
   color.x[at] += share * light.x[i];
   color.y[at] += share * light.y[i];
   color.z[at] += share * light.z[i];
+}
+
+/// Adds light to every ray: the i-th to ray i.
+template <class Real>
+void Radiance<Real>::add_all(const VectorBuffer<Real>& light, std::size_t count) {
+  for (std::size_t i = 0; i < count; ++i) color.x[i] += light.x[i];
+  for (std::size_t i = 0; i < count; ++i) color.y[i] += light.y[i];
+  for (std::size_t i = 0; i < count; ++i) color.z[i] += light.z[i];
 }
 
 /// Makes the next wave of the surface points in mirrors_.

@@ -47,10 +47,11 @@ class Radiance {
 
   void light_wave(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count,
                   SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats);
-  void add_surfaces(SurfacePass<Real>& surface);
+  void add_surfaces(SurfacePass<Real>& surface, std::size_t count);
   void add_sky(const bool& cancelled, RenderStats& stats);
   Real share(std::size_t ray) const { return first_wave_ ? Real(1) : mirror_->share[ray]; }
   std::size_t root(std::size_t ray) const { return first_wave_ ? ray : mirror_->root[ray]; }
+  void add_all(const VectorBuffer<Real>& light, std::size_t count);
   void add(std::size_t ray, Real share, const VectorBuffer<Real>& light, std::size_t i);
   void cast_mirror_rays(SurfacePass<Real>& surface);
 
