@@ -324,3 +324,25 @@ def test_command_makes_a_report_and_keeps_numbers(tmp_path: Path, capsys: pytest
     assert "OUT must end in .html" in capsys.readouterr().err
     assert main(["study", "blend", "-o", str(tmp_path / "none" / "out.html")]) == 1
     assert "there is no directory" in capsys.readouterr().err
+
+
+def test_interrupted_command_says_how_to_go_on(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+):
+    module, names = om.study.__globals__, []
+    original = module["measured"]
+
+    def twice(*arguments: Any) -> Measures:
+        if len(names) == 2:
+            raise KeyboardInterrupt
+        names.append(arguments[1].name)
+        return original(*arguments)
+
+    om.Scene(SOLID).save(tmp_path / "a.json")
+    command = ["study", str(tmp_path / "a.json"), "-o", str(tmp_path / "out.html"), "--size", "16x12", "--rounds", "0"]
+    monkeypatch.setitem(module, "measured", twice)
+    assert main([*command, "--groups", "epsilon"]) == 130
+    assert f"{tmp_path / 'out.json'} has what is done; the same command goes on" in capsys.readouterr().err
+    monkeypatch.setitem(module, "measured", original)
+    assert main([*command, "--groups", "epsilon"]) == 0
+    assert (tmp_path / "out.html").exists()

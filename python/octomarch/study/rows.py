@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import html
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, SupportsIndex
+from typing import SupportsIndex, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -93,8 +93,8 @@ class StudyRow(Measures):
         return self.false_hits + self.false_misses + self.cut
 
 
-class StudyTable(Sequence[StudyRow]):
-    """Rows of a study: a sequence that shows itself.
+class StudyTable:
+    """Rows of a study: ``table[0]``, ``table[3:]``, ``len(table)``, ``for row in table``; it shows itself.
 
     Examples
     --------
@@ -110,7 +110,16 @@ class StudyTable(Sequence[StudyRow]):
     def __len__(self) -> int:
         return len(self._rows)
 
-    def __getitem__(self, index: SupportsIndex | slice) -> Any:
+    def __iter__(self) -> Iterator[StudyRow]:
+        return iter(self._rows)
+
+    @overload
+    def __getitem__(self, index: SupportsIndex) -> StudyRow: ...
+
+    @overload
+    def __getitem__(self, index: slice) -> StudyTable: ...
+
+    def __getitem__(self, index: SupportsIndex | slice) -> StudyRow | StudyTable:
         return StudyTable(self._rows[index]) if isinstance(index, slice) else self._rows[index]
 
     def __repr__(self) -> str:
