@@ -11,6 +11,7 @@ from octomarch.study.sample import windows
 from octomarch.study.truth import find_truth
 
 SIZE = (320, 240)
+SMALL = (160, 120)
 SAMPLING = 0.05  # evaluations a ray by which costs on one half of a sample may differ from those on all of it
 
 
@@ -64,10 +65,10 @@ def test_the_target_is_met_on_pixels_that_were_not_seen(make: Any, p95: float):
 
 def test_less_error_costs_more():
     shape, camera = drilled()
-    costs = [om.March.for_error(shape, camera, p95, size=SIZE).measured for p95 in (1.0, 1e-2, 1e-5)]
+    costs = [om.March.for_error(shape, camera, p95, size=SMALL).measured for p95 in (1.0, 1e-2, 1e-5)]
     counted = [measured.evaluations for measured in costs]
     assert counted[0] < counted[1] <= counted[2] + SAMPLING
-    default = om.render(shape, camera, SIZE, planes=("depth",)).stats
+    default = om.render(shape, camera, SMALL, planes=("depth",)).stats
     of_defaults = (default["primary_evaluations"] + default["cone_evaluations"]) / default["rays"]
     assert counted[1] < of_defaults  # which are finer than that
 
@@ -87,8 +88,8 @@ def test_settings_are_the_cheapest_of_those_that_meet_the_target():
 
 def test_false_hits_can_be_ruled_out():
     shape, camera = twisted()
-    loose = om.March.for_error(shape, camera, 1e-2, size=SIZE)
-    strict = om.March.for_error(shape, camera, 1e-2, size=SIZE, false_hits=1e-4)
+    loose = om.March.for_error(shape, camera, 1e-2, size=SMALL)
+    strict = om.March.for_error(shape, camera, 1e-2, size=SMALL, false_hits=1e-4)
     assert strict.measured.false_hits <= 1e-4 * strict.measured.rays < loose.measured.false_hits
     assert strict.measured.evaluations > loose.measured.evaluations
 
