@@ -331,7 +331,7 @@ def test_shadows_are_those_of_plain_steps(method: str):
         (
             {"method": "fast"},
             ValueError,
-            "method must be one of 'auto', 'plain', 'relaxed', 'enhanced', 'fixed', got 'fast'",
+            "method must be one of 'auto', 'plain', 'relaxed', 'enhanced', 'fixed', 'certified', got 'fast'",
         ),
         ({"method": "Auto"}, ValueError, "method must be .* got 'Auto'"),
         ({"method": 1}, (TypeError, ValueError), "method must be"),

@@ -14,7 +14,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from octomarch import _core
 from octomarch import _validate as check
@@ -27,9 +27,11 @@ if TYPE_CHECKING:
     from octomarch.shapes import Shape
     from octomarch.study.sample import Measured
 
-Method: TypeAlias = Literal["auto", "plain", "relaxed", "enhanced", "fixed"]
-_METHODS = ("auto", "plain", "relaxed", "enhanced", "fixed")
+Method: TypeAlias = Literal["auto", "plain", "relaxed", "enhanced", "fixed", "certified"]
+_METHODS = ("auto", "plain", "relaxed", "enhanced", "fixed", "certified")
 _STEPS = 256
+_CERTIFIED_STEPS = 1024
+_DOUBTS_OF_BRACKET = 16
 
 
 class Status(IntEnum):
@@ -47,7 +49,8 @@ class Status(IntEnum):
     MISS = 1
     """The farthest distance was passed; t is +inf."""
     STEP_LIMIT = 2
-    """All steps were spent; t is the best candidate. No surface lies before it, but what fixed steps have missed."""
+    """All steps were spent, or certified steps could not decide; t is the best candidate. No surface lies before it,
+    but what fixed steps have missed."""
     INSIDE = 3
     """The ray begins in the solid, or nearer than epsilon to it; t is min_distance, 0 by default."""
     INVALID = 4
@@ -67,7 +70,7 @@ class March:
 
     Parameters
     ----------
-    method : {"auto", "plain", "relaxed", "enhanced", "fixed"}
+    method : {"auto", "plain", "relaxed", "enhanced", "fixed", "certified"}
         Of ``"plain"``, sphere tracing [1]_, each step is r. The next two take longer ones, in the hope that the next
         empty sphere touches the last, and go back where it does not, so they find the same surfaces: ``"relaxed"``
         steps by 1.6 r until it has to go back for the first time [2]_, ``"enhanced"`` by what the slope between the
@@ -75,11 +78,12 @@ class March:
         about each 8×8 pixels first, at whose end their rays begin [4]_. Of ``"fixed"`` a step is ``max(r, step)``, or
         the hit epsilon where that is more. It also finds solids whose field says no more than inside and outside
         (`octomarch.solid`), which are always marched by it, and may miss what is thinner than a step. Shadow rays
-        take longer steps only where the light is clear.
+        take longer steps only where the light is clear. ``"certified"`` is for those who must not miss anything; see
+        Notes for what it guarantees.
     max_steps : int, optional
         Evaluations per ray at the most, ≥ 1; those of cones are not counted. Rays that spend them all end as
-        `Status.STEP_LIMIT`. None: 256; with fixed steps as many as may be needed from ``min_distance`` to
-        ``max_distance``.
+        `Status.STEP_LIMIT`. None: 256; with certified steps 1024; with fixed steps as many as may be needed from
+        ``min_distance`` to ``max_distance``.
     epsilon : float, optional
         Absolute hit epsilon in scene units, ≥ 0. None: 1e-6 of the scene's size for renders, 1e-5 for queries, which
         have no pixels to go by.
@@ -120,6 +124,26 @@ class March:
     -----
     The *scene's size* is the diagonal of `Program.focus`, or 1 when that is None or a single point.
 
+    With ``method="certified"`` each status of a ray is a proof about the field that the shape's operators describe over
+    real numbers, as far as its Lipschitz bound is true (that of `octomarch.field` may be your own):
+
+    - `Status.MISS`: the field is positive all along the ray. There are no false misses.
+    - `Status.HIT`: the ray's first root lies within `bracket` of t, which is the hit epsilon, or 16 times what
+      roundings may add up to where that is more. Without `finish` it lies between t and t plus the bracket. There are
+      no false hits.
+    - `Status.INSIDE`: the field is negative where the ray starts.
+    - `Status.STEP_LIMIT`: neither could be shown. The field is positive before t, and whether the ray meets anything is
+      not known: it may only graze the surface, nearer than the bracket. Nearly all rays are decided in float64; in
+      float32 roundings leave more of them open.
+
+    A step ends where the empty spheres about samples no longer touch. Their radius is r less a bound of what all
+    roundings of the program, of the ray's point and of the step may come to, made from the size of each instruction's
+    operands [6]_; a `bias` is added to it. A ray hits where a sample is in the solid for certain, and ends no more than
+    a bracket after the part that is free for certain. Guarantees are for the ray as the precision holds it: in float32
+    the directions of camera rays are off by some 1e-7. Only primary, mirror and query rays are certified. Shapes of
+    which no such bound is known raise ValueError: those with `octomarch.solid`, extruded or revolved polygons, or
+    expressions with other functions than sums, products, square roots, sines and cosines, minima and maxima.
+
     References
     ----------
     .. [1] J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996. doi:10.1007/s003710050084
@@ -128,6 +152,7 @@ class March:
     .. [4] Fulcrum, "8k intro rendering by cone marching", 2012.
     .. [5] W. Barbier et al., "Lipschitz pruning: hierarchical simplification of primitive-based SDFs", Computer
        Graphics Forum 44(2), 2025.
+    .. [6] N. J. Higham, "Accuracy and Stability of Numerical Algorithms", 2nd ed., 2002, ch. 3.
 
     Examples
     --------
@@ -138,6 +163,10 @@ class March:
     >>> fixed = om.March("fixed", step=0.01, min_distance=0.5)
     >>> round(float(om.sphere(1.0).raycast([0, 0, 3], [0, 0, -1], march=fixed).t), 4)
     2.0
+    >>> safe = om.March("certified", epsilon=1e-6)
+    >>> shell = om.sphere(1.0).shell(1e-3)
+    >>> om.Status(int(shell.raycast([0, 0, 3], [0, 0, -1], march=safe, precision="float64").status)).name
+    'HIT'
     """
 
     method: Method
@@ -200,6 +229,11 @@ class March:
         March
             With numbers for ``max_steps``, ``epsilon``, ``max_distance`` and, where steps are fixed, ``step``.
 
+        Raises
+        ------
+        ValueError
+            If the method is ``"certified"``, and roundings of the program have no known bound.
+
         Examples
         --------
         >>> import octomarch as om
@@ -208,6 +242,8 @@ class March:
         3.57
         """
         epsilon, max_distance, step, max_steps = self.epsilon, self.max_distance, self.step, self.max_steps
+        if self.method == "certified":
+            _require_certifiable(program)
         method: Method = "fixed" if program.is_solid else self.method
         if epsilon is None:
             epsilon = (1e-6 if pixels else 1e-5) * program.size
@@ -217,8 +253,53 @@ class March:
         if step is None and method == "fixed":
             step = max(1e-3 * program.size, sys.float_info.min)
         if max_steps is None:
-            max_steps = _STEPS if step is None else _steps_to_pass(max_distance - self.min_distance, step)
+            steps = _CERTIFIED_STEPS if method == "certified" else _STEPS
+            max_steps = steps if step is None else _steps_to_pass(max_distance - self.min_distance, step)
         return replace(self, method=method, epsilon=epsilon, max_distance=max_distance, step=step, max_steps=max_steps)
+
+    def bracket(
+        self, program: Program, origins: ArrayLike, t: ArrayLike, precision: Precision = "float32"
+    ) -> NDArray[np.float64]:
+        """Return how far the first root may be from a certified hit; see Notes of the class.
+
+        Parameters
+        ----------
+        program : Program
+            What was marched.
+        origins : array_like of float, shape (..., 3)
+            Where the rays start.
+        t : array_like of float
+            Where they hit, in scene units; broadcast against the origins.
+        precision : {"float32", "float64"}
+            Of the query, or the picture, whose ``pixel_tolerance`` this leaves out.
+
+        Returns
+        -------
+        ndarray of float64
+            Scene units; +inf where the field's roundings are not known.
+
+        Raises
+        ------
+        ValueError
+            If these settings are not resolved, or not certified.
+
+        Examples
+        --------
+        >>> import octomarch as om
+        >>> program = om.compile(om.sphere(1.0))
+        >>> march = om.March("certified", epsilon=1e-6).resolve(program, (0, 0, 3))
+        >>> float(march.bracket(program, (0, 0, 3), 2.0, "float64"))
+        1e-06
+        """
+        if self.epsilon is None or self.method != "certified":
+            raise ValueError("march must be certified and resolved: see March.resolve")
+        precision = check.choice("precision", precision, ("float32", "float64"))
+        offset, slope, reach = program._native.doubt(precision)
+        away = np.abs(check.points("origins", origins) - np.array(program.anchor)).max(axis=-1)
+        far = away + np.asarray(t, float)
+        doubt = np.where(far <= reach, offset + self.bias + slope * far, np.inf)
+        bracket: NDArray[np.float64] = np.maximum(_DOUBTS_OF_BRACKET * doubt, self.epsilon)
+        return bracket
 
     @classmethod
     def for_error(
@@ -319,6 +400,13 @@ class March:
             self.step or 1.0,  # plain marches have none
             self.finish is not None,
             self.prune,
+        )
+
+
+def _require_certifiable(program: Program) -> None:
+    if program.is_solid or not all(math.isfinite(program._native.doubt(p)[0]) for p in ("float32", "float64")):
+        raise ValueError(
+            "method must not be 'certified' for a shape with operators whose roundings have no known bound: see March"
         )
 
 

@@ -89,6 +89,13 @@ Hits<Real> hits_named(const std::vector<std::string>& names, Results& results) {
   return hits;
 }
 
+Triple doubt(const Program& program, const std::string& precision) {
+  return with_precision("precision", precision, [&]<class Real>(Real) -> Triple {
+    const Doubt& doubt = program.doubt<Real>();
+    return {doubt.offset, doubt.slope, doubt.reach};
+  });
+}
+
 py::dict raycast(const Program& program, const Rows& origins, const Rows& directions, const March& march,
                  const Shading& shading, double t_max, const std::string& precision,
                  const std::vector<std::string>& planes, int threads, const std::string& isa) {
@@ -134,6 +141,7 @@ void register_program(py::module_& module) {
       .def_property_readonly("focus", &focus_of)
       .def_property_readonly("anchor", [](const Program& program) { return triple(program.site().anchor); })
       .def_property_readonly("is_solid", &Program::is_solid)
+      .def("doubt", &doubt, py::arg("precision"))
       .def_property_readonly("instructions", [](const Program& program) { return program.distance().code.size(); })
       .def_property_readonly("registers", [](const Program& program) { return program.distance().registers; })
       .def_property_readonly("attribute_instructions",

@@ -22,7 +22,11 @@ namespace py = pybind11;
 namespace octomarch {
 namespace {
 
-reference::Compiled compiled(const Program& program) { return {program.lipschitz(), program.site()}; }
+template <class Real>
+reference::Compiled compiled(const Program& program, const March& march) {
+  const bool is_certified = march.method == Method::kCertified;
+  return {program.lipschitz(), program.site(), is_certified ? program.doubt<Real>() : Doubt{}};
+}
 
 py::array distance(const Program& program, const Rows& points, const std::string& dtype) {
   const std::span<const double> in = triples(points, "points");
@@ -65,7 +69,8 @@ py::dict raycast(const Program& program, const Rows& origins, const Rows& direct
                                   .status = results.scalars<std::uint8_t>("status")};
     {
       const py::gil_scoped_release release;
-      reference::raycast(program.root(), from, along, march, shading, t_max, compiled(program), hits, check_signals);
+      reference::raycast(program.root(), from, along, march, shading, t_max, compiled<T>(program, march), hits,
+                         check_signals);
     }
     return results.take();
   });
@@ -101,7 +106,7 @@ py::dict render(const Program& program, const Scene& scene, const Camera& camera
     {
       const py::gil_scoped_release release;
       reference::render(program.root(), scene, camera, march, shading, {width, height, window, samples},
-                        compiled(program), wanted, check_signals);
+                        compiled<T>(program, march), wanted, check_signals);
     }
     return results.take();
   });

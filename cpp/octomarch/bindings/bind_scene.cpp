@@ -22,11 +22,12 @@ constexpr Names<LightKind, 3> kLights{
 constexpr Names<CameraKind, 3> kCameras{{{"perspective", CameraKind::kPerspective},
                                          {"orthographic", CameraKind::kOrthographic},
                                          {"panoramic", CameraKind::kPanoramic}}};
-constexpr Names<Method, 5> kMethods{{{"auto", Method::kAuto},
+constexpr Names<Method, 6> kMethods{{{"auto", Method::kAuto},
                                      {"plain", Method::kPlain},
                                      {"relaxed", Method::kRelaxed},
                                      {"enhanced", Method::kEnhanced},
-                                     {"fixed", Method::kFixed}}};
+                                     {"fixed", Method::kFixed},
+                                     {"certified", Method::kCertified}}};
 constexpr Names<Normals, 3> kNormals{
     {{"exact", Normals::kExact}, {"central", Normals::kCentral}, {"tetrahedron", Normals::kTetrahedron}}};
 constexpr Names<Shadows, 3> kShadows{{{"none", Shadows::kNone}, {"hard", Shadows::kHard}, {"soft", Shadows::kSoft}}};

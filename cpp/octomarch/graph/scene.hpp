@@ -85,7 +85,7 @@ struct Crop {
   std::uint32_t width, height;
 };
 
-enum class Method : std::uint8_t { kAuto, kPlain, kRelaxed, kEnhanced, kFixed };
+enum class Method : std::uint8_t { kAuto, kPlain, kRelaxed, kEnhanced, kFixed, kCertified };
 
 /// Do a method's steps have a least length, and end in the solid?
 constexpr bool is_fixed(Method method) { return method == Method::kFixed; }
@@ -93,7 +93,7 @@ constexpr bool is_fixed(Method method) { return method == Method::kFixed; }
 /// How rays are marched; r is the field over its Lipschitz bound. Plain: a ray has hit where r ≤ eps(t), else it goes on
 /// by r, or with a bias by max(r − bias, r/2). Relaxed, enhanced, auto: without a bias farther than r, and back where that
 /// was too much; auto: camera rays begin where cones end. Fixed: a ray has hit where r ≤ 0, else it goes on by
-/// max(r − bias, step, eps(t)). `hit epsilon` at parameter t of a ray with origin o, the same for every marcher:
+/// max(r − bias, step, eps(t)). Certified: see Doubt. `hit epsilon` at parameter t of a ray with origin o, the same for every marcher:
 ///   eps(t) = max(epsilon, 16u·max(|o|∞, t), pixel_tolerance·pixel_radius(t)),
 /// u = 2⁻²⁴ in float, 2⁻⁵³ in double: at least four units in the last place of |p|∞ and of t, since |p|∞ ≤ |o|∞ + t.
 /// pixel_radius(t) is half the height of a pixel at parameter t (0 for queries, where there is no pixel). Where steps are
@@ -118,6 +118,16 @@ struct March {
   double least_epsilon() const { return epsilon > accuracy() ? epsilon : accuracy(); }
 };
 
+/// What certified marches allow for: r and the place of its sample are off by no more than d = offset + slope·(|o|∞ + t),
+/// where |o|∞ + t ≤ reach; beyond nothing is known. A sample then proves its sign in the ball of radius |r| − d about it. A ray
+/// is free as far as overlapping balls outside of the solid cover it, and hits where one in the solid begins no more than a
+/// bracket, max(eps(t), 16·d), past that. Rays for which neither that nor a miss can be shown are kStepLimit.
+struct Doubt {
+  double offset = 0.0;
+  double slope = 0.0;
+  double reach = 0.0;
+};
+
 enum class Normals : std::uint8_t { kExact, kCentral, kTetrahedron };
 enum class Shadows : std::uint8_t { kNone, kHard, kSoft };
 
@@ -137,7 +147,7 @@ struct Shading {
 enum class Status : std::uint8_t {
   kHit = 0,
   kMiss = 1,
-  kStepLimit = 2,  ///< max_steps spent; t is the candidate: no surface lies before it
+  kStepLimit = 2,  ///< max_steps spent, or undecided; t is the candidate: no surface lies before it
   kInside = 3,     ///< the ray begins in the solid, or nearer than epsilon to it; t = min_distance
   kInvalid = 4,    ///< NaN field, or a direction that is zero or not finite
 };

@@ -73,12 +73,13 @@ struct RayView {
 
 /// How rays are stepped.
 enum class Stepping : std::uint8_t {
-  kPlain,     ///< by the whole field
-  kBiased,    ///< by the field less a bias
-  kRelaxed,   ///< by 1.6 times the field until that was too much, and the ray had to go back
-  kEnhanced,  ///< by what the field's slope along the ray lets hope, and back where that was too much
-  kShadow,    ///< the same for shadow rays, but by the whole field in and near penumbras
-  kFixed,     ///< by the field less a bias, but `step` and the hit epsilon at the least, into the solid
+  kPlain,      ///< by the whole field
+  kBiased,     ///< by the field less a bias
+  kRelaxed,    ///< by 1.6 times the field until that was too much, and the ray had to go back
+  kEnhanced,   ///< by what the field's slope along the ray lets hope, and back where that was too much
+  kShadow,     ///< the same for shadow rays, but by the whole field in and near penumbras
+  kFixed,      ///< by the field less a bias, but `step` and the hit epsilon at the least, into the solid
+  kCertified,  ///< as kEnhanced, by what the field proves in spite of its roundings; see CertifiedSteps
 };
 
 template <class Real>
@@ -93,7 +94,13 @@ struct MarchParameters {
   Real bias;   ///< for kBiased and kFixed
   Real step;   ///< for kFixed
   Real k;      ///< of soft shadows, for shadow rays: the visibility is the least of k·r/t and 1; +inf for hard ones
+  Real doubt;  ///< for kCertified, with the next: the field over its Lipschitz bound is off by no more than
+  Real doubt_slope;  ///< doubt + doubt_slope·(|o|∞ + t), the place of its sample included, where the sum is at most
+  Real doubt_reach;  ///< doubt_reach; what lies beyond is not known
 };
+
+/// The bracket of a certified hit in doubts, at the least.
+inline constexpr int kDoubtsOfBracket = 16;
 
 /// Work done, for image.stats: exact counts.
 struct Counters {
@@ -118,11 +125,11 @@ inline constexpr Real kNothingBefore = Real(1e30);
 /// Rays in the course of a march, one element a ray: begin_march fills it, march goes on with it, conclude reads it.
 template <class Real>
 struct MarchState {
-  Real* t;              ///< of the next sample, or of the last
-  Real* radius;         ///< the field at the last sample
-  Real* before;         ///< what the task carries: r of the sample before, or its t, or a visibility
-  Real* stride;         ///< the last step; for relaxed steps only, as the next
-  Real* boldness;       ///< see LongSteps
+  Real* t;         ///< of the next sample, or of the last
+  Real* radius;    ///< the field at the last sample
+  Real* before;    ///< what the task carries: r of the sample before, or its t, or a visibility; see CertifiedSteps too
+  Real* stride;    ///< the last step; for relaxed steps only, as the next
+  Real* boldness;  ///< see LongSteps
   std::uint8_t* pause;  ///< Pause
   std::int32_t* steps;  ///< evaluations of each ray, exactly `count` long, any alignment; null when not wanted
 };

@@ -22,8 +22,14 @@ void begin_march(const RayView<Real>& rays, const MarchParameters<Real>& paramet
   const std::size_t end = padded_lanes(rays.count);
   for (std::size_t i = 0; i < end; i += kWidth<Real>) {
     const T sum = at(rays.ox, i) + at(rays.oy, i) + at(rays.oz, i) + at(rays.dx, i) + at(rays.dy, i) + at(rays.dz, i);
-    (sum * T(Real(0)) + at(rays.start, i)).store(state.t + i);
+    const T start = sum * T(Real(0)) + at(rays.start, i);
+    start.store(state.t + i);
     T(relaxed ? kNothingBefore<Real> : carried).store(state.before + i);
+    if (parameters.stepping == Stepping::kCertified) {
+      start.store(state.before + i);
+      start.store(state.stride + i);
+      T(kNothingBefore<Real>).store(state.boldness + i);
+    }
     if (!relaxed) continue;
     T(kNothingBefore<Real>).store(state.stride + i);
     T(parameters.stepping == Stepping::kShadow ? carried : kFirstBoldness<Real>).store(state.boldness + i);
@@ -72,6 +78,25 @@ void visibility(const RayView<Real>& rays, const MarchParameters<Real>& paramete
   });
 }
 
+/// Where the root of a certified hit is, about: by the secant through the last sample outside and the one inside, between the
+/// ends of what is proven. Of other rays, and without a finish: how far they are free.
+template <class Real>
+Lanes<Real> certified_end(const RayView<Real>& rays, const MarchParameters<Real>& parameters,
+                          const MarchState<Real>& state, std::size_t i) {
+  using T = Lanes<Real>;
+  const T zero = Real(0);
+  const T t = T::load(state.t + i);
+  const T free = T::load(state.before + i);
+  const T stood = T::load(state.stride + i);
+  const T doubts = CertifiedSteps<Real>(parameters).doubt_at(at(rays.ox, i), at(rays.oy, i), at(rays.oz, i), t);
+  const T before = max(T::load(state.boldness + i), zero) + doubts;
+  const T r = T::load(state.radius + i) * T(parameters.step_scale);
+  const Mask<Real> has_root = (r < zero) & (t > free);
+  if (!parameters.finish) return select(has_root, free, t);
+  const T root = stood + (t - stood) * (before / (before - r));
+  return select(has_root, min(max(root, free), max(t + r + doubts, free)), t);
+}
+
 template <class Real>
 void conclude(const RayView<Real>& rays, const MarchParameters<Real>& parameters, const MarchState<Real>& state,
               std::uint8_t* status) {
@@ -82,8 +107,12 @@ void conclude(const RayView<Real>& rays, const MarchParameters<Real>& parameters
   for_each_block(rays.count, state.pause, spent, [&](std::size_t first, std::uint64_t bits) {
     for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
       const std::size_t i = first + lane;
-      const Mask<Real> is_spent = Mask<Real>::from_bits(bits >> lane);
+      Mask<Real> is_spent = Mask<Real>::from_bits(bits >> lane);
       T t = T::load(state.t + i);
+      if (parameters.stepping == Stepping::kCertified) {
+        is_spent = is_spent | (T::load(state.boldness + i) < T(Real(0)));
+        t = select(is_spent, T::load(state.before + i), certified_end(rays, parameters, state, i));
+      }
       if (is_relaxed(parameters.stepping)) {
         // No farther than the last empty sphere reaches, which a sphere in the solid can touch too. The secant finds its way
         // back by itself.

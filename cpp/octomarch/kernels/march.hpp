@@ -298,6 +298,7 @@ void march(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, 
     case Stepping::kRelaxed: return run(LongSteps<Real, Stepping::kRelaxed>(parameters));
     case Stepping::kEnhanced: return run(LongSteps<Real, Stepping::kEnhanced>(parameters));
     case Stepping::kFixed: return run(FixedSteps<Real>(parameters));
+    case Stepping::kCertified: return run(CertifiedSteps<Real>(parameters));
     case Stepping::kShadow: return;  // of shadow rays alone
   }
 }
@@ -317,7 +318,8 @@ void march_shadow(const TapeView<Real>& tape, Real* memory, const RayView<Real>&
     case Stepping::kShadow: return run(LongSteps<Real, Stepping::kShadow>(parameters));
     case Stepping::kFixed: return run(FixedSteps<Real>(parameters));
     case Stepping::kRelaxed:
-    case Stepping::kEnhanced: return;  // of other rays
+    case Stepping::kEnhanced:
+    case Stepping::kCertified: return;  // of other rays
   }
 }
 

@@ -154,4 +154,73 @@ struct LongSteps {
   }
 };
 
+/// Steps that nothing is missed by. A sample proves its sign in the sphere of |r| less its `doubt`, which is what r may be off
+/// by. A ray stays free up to where such spheres of samples outside of the solid have covered it; longer steps than that are
+/// those of kEnhanced, or end a bracket past the free part where the slope lets hope for the solid there. The ray has hit where
+/// a sample's sphere lies in the solid, and no more than a bracket past the free part. One that cannot go on looks for the
+/// solid at ever less of a bracket, and ends undecided where that finds nothing.
+///
+/// The state's `carried` is how far the ray is free, `stride` the t of the last sample that proved a part of that, `boldness`
+/// the radius of its sphere: kNothingBefore at first, 0 where the ray cannot go on, −1 once it is undecided.
+template <class Real>
+struct CertifiedSteps {
+  using T = Lanes<Real>;
+  static constexpr Finish kFinish = Finish::kNone;
+  static constexpr bool kIsRelaxed = true;
+  /// What of a bracket is used, so that roundings of its ends do not count.
+  static constexpr Real kPart = Real(0.9375), kWhole = Real(0.96875);
+  T doubt, slope, farthest;
+
+  explicit CertifiedSteps(const MarchParameters<Real>& parameters)
+      : doubt(parameters.doubt), slope(parameters.doubt_slope), farthest(parameters.doubt_reach) {}
+
+  T doubt_at(const T& ox, const T& oy, const T& oz, const T& t) const {
+    const T far = max(abs(ox), max(abs(oy), abs(oz))) + t;
+    return select(far <= farthest, doubt + slope * far, T(std::numeric_limits<Real>::infinity()));
+  }
+  /// Less than so many doubts no two samples can be apart that prove a root between them, where rays are not steep.
+  static T bracket(const T& epsilon, const T& doubts) { return max(epsilon, T(Real(kDoubtsOfBracket)) * doubts); }
+
+  Step<Real> advance(BlockState<Real>& state, std::size_t lane, const T& t, const T& r, const T& epsilon,
+                     const T& t_max) const {
+    const T free = T::load(state.carried + lane);
+    const T stood = T::load(state.stride + lane);
+    const T before = T::load(state.boldness + lane);
+    const T doubts = doubt_at(T::load(state.ox + lane), T::load(state.oy + lane), T::load(state.oz + lane), t);
+    const T most = bracket(epsilon, doubts);
+    const T reach = most * T(kPart);
+    const T radius = abs(r) - doubts;
+    const Mask<Real> open = (t <= t_max) & (before >= T(Real(0)));
+    const Mask<Real> gains = open & (r > doubts) & (t - radius <= free) & (t + radius > t);
+    const Mask<Real> found = open & (r < -doubts) & (t - radius - free <= most * T(kWhole));
+    const Mask<Real> fails = open & !gains & !found;
+    const Mask<Real> stands = t <= free;
+    const Mask<Real> is_nan = fails & stands & !(r == r);
+    const Mask<Real> is_first = before == T(kNothingBefore<Real>);
+    const Mask<Real> is_stuck = fails & stands & !is_first & !is_nan;
+    const Mask<Real> back = fails & !stands & (before > T(Real(0)));
+    const Mask<Real> looks = fails & !stands & (before == T(Real(0)));
+
+    const T stride = t - stood;
+    const T growth = min(radius - before, stride * T(LongSteps<Real, Stepping::kEnhanced>::kSteepest));
+    const T hoped = radius * T(LongSteps<Real, Stepping::kEnhanced>::kStrength) * (stride + growth) *
+                    rough_reciprocal(stride - growth);
+    const Mask<Real> plunges = (radius + reach) * -growth >= radius * stride;
+    const T beyond = select(plunges, reach, max(hoped, T(Real(0))));
+    const T way_left = (t_max - t) * T(Real(1) - Real(4) * std::numeric_limits<Real>::epsilon());
+    const T onward = t + max(min(radius + beyond, way_left), radius);
+
+    const T closer = (t - free) * T(Real(0.125));
+    const T look = select(is_stuck, min(free + reach, t_max), free + closer);
+    const Mask<Real> looks_on = (is_stuck & (look > free)) | (looks & (closer > doubts) & (look > free));
+    const Mask<Real> gives_up = fails & !is_nan & !back & !looks_on;
+    select(gains, t + radius, free).store(state.carried + lane);
+    select(gains, t, select(is_stuck, free, stood)).store(state.stride + lane);
+    select(gains, radius, select(gives_up, T(Real(-1)), select(is_stuck, T(Real(0)), before)))
+        .store(state.boldness + lane);
+    const T next = select(gains, onward, select(back, free, select(looks_on, look, select(is_nan, r, t))));
+    return {gains | back | looks_on | is_nan, next};
+  }
+};
+
 }  // namespace octomarch::kernels::OCTOMARCH_ISA

@@ -1,10 +1,15 @@
 #include "octomarch/program/program.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cmath>
+
 #include "octomarch/graph/analysis.hpp"
 #include "octomarch/program/allocate.hpp"
 #include "octomarch/program/lower.hpp"
 #include "octomarch/program/lower_expression.hpp"
 #include "octomarch/program/octree.hpp"
+#include "octomarch/program/rounding.hpp"
 
 namespace octomarch {
 namespace {
@@ -59,6 +64,24 @@ const Expressions& Program::surface() const {
   });
   return surface_;
 }
+
+template <class Real>
+const Doubt& Program::doubt() const {
+  std::call_once(doubt_once_, [this] {
+    double size = site_.focus ? 0.0 : 1.0;
+    for (const Vec3& corner : site_.focus ? std::array{site_.focus->lo, site_.focus->hi} : std::array<Vec3, 2>{}) {
+      size = std::max({size, std::fabs(corner.x), std::fabs(corner.y), std::fabs(corner.z)});
+    }
+    if (size == 0.0) size = 1.0;
+    // constants have been folded in double, with roundings of their own: each stands for four of the tape's
+    doubt_f32_ = doubt_of(distance_, 0x1p-24, size, lipschitz_);
+    doubt_f64_ = doubt_of(distance_, 0x1p-51, size, lipschitz_);
+  });
+  return sizeof(Real) == 4 ? doubt_f32_ : doubt_f64_;
+}
+
+template const Doubt& Program::doubt<float>() const;
+template const Doubt& Program::doubt<double>() const;
 
 Expressions compile_expressions(std::span<const NodePtr> expressions) {
   DataFlow flow;

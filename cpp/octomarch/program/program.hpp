@@ -78,6 +78,10 @@ class Program {
   bool is_solid() const { return is_solid_; }
   /// |f(p) − f(q)| ≤ lipschitz·‖p − q‖: marchers divide by it.
   double lipschitz() const { return lipschitz_; }
+  /// What certified marches in Real allow for; its offset is infinite where the program has operators of which no bound of
+  /// the roundings is known.
+  template <class Real>
+  const Doubt& doubt() const;
   /// Where the shape is. Tapes see points from its anchor.
   const Site& site() const { return site_; }
   /// Holds every point of the solid; infinite where the solid may be. In the world, like the focus.
@@ -99,6 +103,8 @@ class Program {
   mutable Attributes attributes_;
   mutable std::once_flag surface_once_;
   mutable Expressions surface_;
+  mutable std::once_flag doubt_once_;
+  mutable Doubt doubt_f32_, doubt_f64_;
   std::unique_ptr<ProgramOctrees> octrees_;
 };
 

@@ -1,6 +1,6 @@
 // J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996, with a tolerance that grows with the ray and two secants at
 // the end; the same with longer steps, after Keinert et al. 2014, and Bálint and Valasek 2018; and fixed steps with bisection
-// at the end. See march.hpp.
+// at the end; and steps that nothing is missed by. See march.hpp.
 #include "octomarch/reference/march.hpp"
 
 #include <algorithm>
@@ -121,6 +121,12 @@ T MarchLimits<T>::hit_epsilon(const Ray<T>& ray, T t) const {
 }
 
 template <class T>
+T MarchLimits<T>::doubt_at(const Ray<T>& ray, T t) const {
+  const T far = largest_magnitude(ray.origin) + t;
+  return far <= T(doubt.reach) ? T(doubt.offset) + bias + T(doubt.slope) * far : kNowhere<T>;
+}
+
+template <class T>
 bool MarchLimits<T>::arrived(const Ray<T>& ray, T t, T radius) const {
   return radius <= (method == Method::kFixed ? T(0) : hit_epsilon(ray, t));
 }
@@ -210,10 +216,83 @@ Arrival<T> march_relaxed(Evaluator<T>& field, const Ray<T>& ray, const MarchLimi
   return {Status::kStepLimit, std::min(t, stood.t + stood.radius), limits.max_steps};
 }
 
+/// What is proven of a ray, sample by sample; see Doubt.
+template <class T>
+class Proof {
+ public:
+  Proof(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits)
+      : field_(field), ray_(ray), limits_(limits), free_(limits.t_min), last_{limits.t_min, T(0)} {}
+
+  Arrival<T> run() {
+    T t = limits_.t_min;
+    T look = T(0);  // how far ahead the solid is looked for, where a ray cannot go on
+    while (steps_ < limits_.max_steps) {
+      const T r = sample(t);
+      if (std::isnan(r) && t <= free_) return {Status::kInvalid, kNowhere<T>, steps_};
+      if (steps_ == 1 && r < -doubt_) return {Status::kInside, t, steps_};
+      if (r < -doubt_ && t - (-r - doubt_) - free_ <= bracket(t)) return {Status::kHit, end(t, r), steps_};
+      if (steps_ == 1 && !(r > doubt_)) return {Status::kStepLimit, t, steps_};
+      const T radius = r - doubt_;
+      if (radius > T(0) && t - radius <= free_ && t + radius > t) {
+        const T next = t + length(t, radius);
+        free_ = t + radius;
+        last_ = {t, radius};
+        look = T(0);
+        if (free_ > limits_.t_max) return {Status::kMiss, kNowhere<T>, steps_};
+        t = next;
+      } else if (t > free_ && look == T(0)) {
+        t = free_;
+      } else {
+        const bool begins = look == T(0);
+        look = begins ? T(0.9375) * bracket(t) : look / T(8);
+        if (begins) last_ = {free_, T(0)};
+        t = std::min(free_ + look, limits_.t_max);
+        if (t <= free_ || (!begins && look <= doubt_)) break;
+      }
+    }
+    return {Status::kStepLimit, free_, steps_};
+  }
+
+ private:
+  T sample(T t) {
+    ++steps_;
+    doubt_ = limits_.doubt_at(ray_, t);
+    constexpr T kShorter = T(1) - T(32) * kUnitRoundoff<T>;
+    return radius_at(field_, ray_, limits_, t) * kShorter;
+  }
+  T bracket(T t) const { return std::max(limits_.hit_epsilon(ray_, t), T(16) * doubt_) * T(0.96875); }
+
+  /// As enhanced steps, or to where the slope lets hope for a hit.
+  T length(T t, T radius) const {
+    const T reach = T(0.9375) * bracket(t);
+    const T stride = t - last_.t;
+    const T growth = std::min(radius - last_.radius, T(0.9375) * stride);
+    const bool plunges = stride == T(0) || -growth * (radius + reach) >= radius * stride;
+    const T beyond = plunges ? reach : std::max(T(0), T(0.88) * radius * (stride + growth) / (stride - growth));
+    return std::max(radius, std::min(radius + beyond, limits_.t_max - t));
+  }
+
+  T end(T t, T r) const {
+    if (!limits_.finish) return free_;
+    const T before = last_.radius + doubt_;
+    const T root = last_.t + (t - last_.t) * before / (before - r);
+    return std::clamp(root, free_, std::max(free_, t + r + doubt_));
+  }
+
+  Evaluator<T>& field_;
+  const Ray<T>& ray_;
+  const MarchLimits<T>& limits_;
+  T free_;             ///< there is no root up to here
+  RaySample<T> last_;  ///< that proved a part of that, with the radius of its ball
+  T doubt_ = T(0);
+  int steps_ = 0;
+};
+
 template <class T>
 Arrival<T> march_ray(Evaluator<T>& field, const Ray<T>& ray, const MarchLimits<T>& limits) {
   if (!is_finite(ray.origin) || !is_finite(ray.direction) || ray.direction == Vector<T>(0)) return {};
   if (limits.t_min > limits.t_max) return {Status::kMiss, kNowhere<T>, 0};
+  if (limits.method == Method::kCertified) return Proof<T>(field, ray, limits).run();
   return limits.is_straight() ? march_straight(field, ray, limits) : march_relaxed(field, ray, limits);
 }
 

@@ -7,6 +7,7 @@
 
 #include "octomarch/graph/scene.hpp"
 #include "octomarch/graph/site.hpp"
+#include "octomarch/reference/compiled.hpp"
 #include "octomarch/reference/evaluate.hpp"
 
 namespace octomarch::reference {
@@ -40,11 +41,12 @@ struct MarchLimits {
   T bias;
   T step;
   T lipschitz;
+  Doubt doubt;
   bool finish;
   T inner_offset;
   bool may_be_inside = true;  ///< where the first sample has arrived
 
-  MarchLimits(const March& march, double lipschitz_bound, const Site& site)
+  MarchLimits(const March& march, const Compiled& compiled, const Site& site)
       : method(march.method),
         max_steps(march.max_steps),
         epsilon(T(march.least_epsilon())),
@@ -53,7 +55,8 @@ struct MarchLimits {
         t_max(T(march.max_distance)),
         bias(T(march.bias)),
         step(T(march.step)),
-        lipschitz(T(lipschitz_bound)),
+        lipschitz(T(compiled.lipschitz)),
+        doubt(compiled.doubt),
         finish(march.finish),
         inner_offset(T(site.inner_offset)) {}
 
@@ -67,6 +70,8 @@ struct MarchLimits {
 
   /// The hit epsilon at parameter t of a ray; see March.
   T hit_epsilon(const Ray<T>& ray, T t) const;
+  /// By how much a certified march doubts a radius there.
+  T doubt_at(const Ray<T>& ray, T t) const;
   /// Has a ray arrived where the field is lipschitz·radius? A NaN has not.
   bool arrived(const Ray<T>& ray, T t, T radius) const;
   /// How far it goes on from there at the least, where steps are fixed.
@@ -74,7 +79,9 @@ struct MarchLimits {
   /// How far it goes on from there if it has not arrived.
   T advance(const Ray<T>& ray, T t, T radius) const;
   /// Are steps never longer than the empty sphere, or if so then whatever the slope?
-  bool is_straight() const { return method == Method::kPlain || method == Method::kFixed || bias > T(0); }
+  bool is_straight() const {
+    return method == Method::kPlain || method == Method::kFixed || method == Method::kCertified || bias > T(0);
+  }
 };
 
 /// How far beyond the empty sphere a step goes by what the slope from the sample before lets hope, after Bálint and Valasek.

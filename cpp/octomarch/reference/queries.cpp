@@ -47,7 +47,7 @@ void raycast(const NodePtr& root, std::span<const double> origins, std::span<con
     const double lead = lead_of(site, origin, march.min_distance);
     const Ray<T> ray{
         .origin = vector<T>(lead > 0.0 ? origin + unit * lead : origin), .direction = vector<T>(unit), .lead = lead};
-    MarchLimits<T> limits(march, compiled.lipschitz, site);
+    MarchLimits<T> limits(march, compiled, site);
     limits.move(march, site, lead, std::min(march.max_distance, t_max * norm));
     const Arrival<T> arrival = march_ray(field, ray, limits);
     const Surface<T> surface = surface_at(field, ray, arrival, NormalRule<T>(shading));

@@ -103,7 +103,7 @@ void render(const NodePtr& root, const Scene& whole_scene, const Camera& whole_c
   const Camera camera = counted_from(anchor, whole_camera);
   Evaluator<T> field(root, poll, anchor);
   const MovedLens lens(camera, extent.width, extent.height, site, march.min_distance);
-  const MarchLimits<T> limits(march, compiled.lipschitz, site);
+  const MarchLimits<T> limits(march, compiled, site);
   MarchLimits<T> moved_limits = limits;
   moved_limits.move(march, site, lens.lead(), march.max_distance);
   Pixels<T> pixels(field, scene, lens, limits, moved_limits, shading, extent.samples, anchor);

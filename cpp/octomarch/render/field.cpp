@@ -252,7 +252,7 @@ void Field<Real>::march(const kernels::RayView<Real>& rays, const kernels::March
     counted(tape, counters, [&] { kernels_.march(tape, rest..., counters); });
   });
   kernels_.conclude(rays, parameters, state, status);
-  if (!parameters.finish) return;
+  if (!parameters.finish || parameters.stepping == kernels::Stepping::kCertified) return;
   if (is_fixed) {
     kernels_.bisect(tape_.view(), tape_.memory(), rays, parameters, state, status, counters);
   } else {

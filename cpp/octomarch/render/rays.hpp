@@ -92,10 +92,11 @@ Real from_far(double origin, Real value) {
   return origin == 0.0 ? value : static_cast<Real>(origin + static_cast<double>(value));
 }
 
-/// With a bias steps are not relaxed: what goes beyond the field is the opposite.
+/// With a bias steps are not relaxed: what goes beyond the field is the opposite. Certified ones have it in their doubt.
 inline kernels::Stepping stepping_of(const March& march) {
   using kernels::Stepping;
   if (march.method == Method::kFixed) return Stepping::kFixed;
+  if (march.method == Method::kCertified) return Stepping::kCertified;
   if (march.bias != 0.0) return Stepping::kBiased;
   if (march.method == Method::kPlain) return Stepping::kPlain;
   return march.method == Method::kRelaxed ? Stepping::kRelaxed : Stepping::kEnhanced;
@@ -104,7 +105,11 @@ inline kernels::Stepping stepping_of(const March& march) {
 template <class Real>
 kernels::MarchParameters<Real> march_parameters(const Program& program, const March& march, Real epsilon_slope,
                                                 const bool& cancelled) {
-  return {static_cast<Real>(1.0 / program.lipschitz()),
+  // certified steps are a little shorter than what roundings of the bound, of the direction and of sums can make of them
+  constexpr double kShorter = 1.0 - 16.0 * static_cast<double>(std::numeric_limits<Real>::epsilon());
+  const bool is_certified = march.method == Method::kCertified;
+  const Doubt doubt = is_certified ? program.doubt<Real>() : Doubt{};
+  return {static_cast<Real>((is_certified ? kShorter : 1.0) / program.lipschitz()),
           epsilon_slope,
           march.max_steps,
           march.finish,
@@ -113,7 +118,10 @@ kernels::MarchParameters<Real> march_parameters(const Program& program, const Ma
           clamped<Real>(march.min_distance),
           clamped<Real>(march.bias),
           clamped<Real>(march.step),
-          std::numeric_limits<Real>::infinity()};
+          std::numeric_limits<Real>::infinity(),
+          static_cast<Real>(doubt.offset + march.bias),
+          static_cast<Real>(doubt.slope),
+          static_cast<Real>(doubt.reach)};
 }
 
 /// The same for rays that leave a surface, and begin there.
@@ -124,11 +132,12 @@ kernels::MarchParameters<Real> secondary_parameters(const Program& program, Marc
   return march_parameters(program, march, epsilon_slope, cancelled);
 }
 
-/// The same for shadow rays. Where steps are long, they are as long as lets shadows stay what they are. `k`: of soft ones, +∞
+/// The same for shadow rays, of which none are certified. Where steps are long, they are as long as lets shadows stay what they are. `k`: of soft ones, +∞
 /// for hard ones.
 template <class Real>
-kernels::MarchParameters<Real> shadow_parameters(const Program& program, const March& march, Real k, Real epsilon_slope,
+kernels::MarchParameters<Real> shadow_parameters(const Program& program, March march, Real k, Real epsilon_slope,
                                                  const bool& cancelled) {
+  if (march.method == Method::kCertified) march.method = Method::kPlain;
   kernels::MarchParameters<Real> parameters = secondary_parameters(program, march, epsilon_slope, cancelled);
   using kernels::Stepping;
   if (parameters.stepping == Stepping::kRelaxed || parameters.stepping == Stepping::kEnhanced) {
