@@ -2,8 +2,8 @@
 
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
-Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, trade.py,
-quality.py and extremes.py come before it.
+Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, trade.py, quality.py,
+evaluations.py and extremes.py come before it.
 """
 
 import argparse
@@ -14,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import evaluation_tables
 import extreme_tables
 import hand_tables
 import peer_tables
@@ -82,6 +83,7 @@ def blocks(results: Path) -> dict[str, str]:
     return {
         "by-hand": hand_tables.by_hand(by_hand(results)),
         "quality": hand_tables.quality(load(results / "quality.json", hand_tables.check_quality)),
+        "evaluations": evaluation_tables.table(load(results / "evaluations.json", evaluation_tables.check)),
         **extreme_tables.blocks(load(results / "extremes.json", extreme_tables.check)),
         "peers-how": peer_tables.how(peers),
         "peers-summary": peer_tables.summary_table(peers),

@@ -76,6 +76,8 @@ def test_tables_are_taken_from_the_newest_run(tables: Any, copy: Path):
         ("hand-*.json", lambda r: r["rows"][2].pop("median"), r"hand-.*: rows\[2\]: median missing"),
         ("quality.json", lambda r: r.pop("rows"), "quality.json: 'rows' is missing"),
         ("quality.json", lambda r: r["rows"][0].pop("p99"), r"quality.json: rows\[0\]: p99 missing"),
+        ("evaluations.json", lambda r: r.pop("rows"), "evaluations.json: 'rows' is missing"),
+        ("evaluations.json", lambda r: r["rows"][0].pop("p95"), r"evaluations.json: rows\[0\]: p95 missing"),
         ("extremes.json", lambda r: r.pop("folds"), "extremes.json: 'folds' is missing"),
         ("extremes.json", lambda r: r["offsets"][0].pop("lost"), r"extremes.json: offsets\[0\]: lost missing"),
         ("extremes.json", lambda r: r["folds"].pop("order"), "extremes.json: folds: order missing"),

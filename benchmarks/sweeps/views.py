@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 import octomarch as om
+from octomarch.march import Method
 from peers.octomarch_engine import same_shading, scene_of
 from peers.tasks import Light, Mode, Task
 from scenes import EPSILON, MAX_STEPS, SCENES, spheres
@@ -52,7 +53,7 @@ class View:
         self,
         size: tuple[int, int],
         mode: Mode = "depth",
-        method: Literal["auto", "plain", "relaxed", "enhanced", "fixed"] = "auto",
+        method: Method = "auto",
         *,
         isa: str | None = None,
         precision: Literal["float32", "float64"] = "float32",
