@@ -138,6 +138,14 @@ class ErrorWalk {
         const double rate = std::fabs(o.p[0]);
         return turned(o, 1, rate * (e[0] + e[1] + 8.0 * unit_ * magnitude(o.in[0])));
       }
+      default: return error_of_expression(op, o, out);
+    }
+  }
+
+  /// The same of those that only expressions have.
+  double error_of_expression(Opcode op, const Operands& o, const Range<double>& out) const {
+    const double* const e = o.error;
+    switch (op) {
       case Opcode::kConstant: return roundings(1.0, o);
       case Opcode::kMultiplyConstant: return std::fabs(o.p[0]) * e[0] + 4.0 * unit_ * magnitude(out);
       case Opcode::kDivideConstant: return e[0] / std::fabs(o.p[0]) + 4.0 * unit_ * magnitude(out);
