@@ -141,8 +141,8 @@ class March:
     operands [6]_; a `bias` is added to it. A ray hits where a sample is in the solid for certain, and ends no more than
     a bracket after the part that is free for certain. Guarantees are for the ray as the precision holds it: in float32
     the directions of camera rays are off by some 1e-7. Only primary, mirror and query rays are certified. Shapes of
-    which no such bound is known raise ValueError: those with `octomarch.solid`, extruded or revolved polygons, or
-    expressions with other functions than sums, products, square roots, sines and cosines, minima and maxima.
+    which no such bound is known raise ValueError: those with `octomarch.solid`, noise, or expressions with other
+    functions than sums, products, square roots, sines and cosines, minima and maxima.
 
     References
     ----------

@@ -71,6 +71,13 @@ class ErrorWalk {
     return all;
   }
 
+  /// Of an edge and a point: the distance to the edges before, which is infinite at first, has its own error.
+  static double edge_size(const Operands& o) {
+    double size = magnitude(o.in[0]) + magnitude(o.in[1]);
+    for (std::size_t i = 0; i < 4; ++i) size += std::fabs(o.p[i]);
+    return size;
+  }
+
   static double largest_factor(const double* matrix) {
     double largest = 0.0;
     for (std::size_t i = 0; i < 12; ++i) largest = std::max(largest, i % 4 == 3 ? 0.0 : std::fabs(matrix[i]));
@@ -124,6 +131,8 @@ class ErrorWalk {
       case Opcode::kSmoothIntersection:
       case Opcode::kSmoothDifference: return std::max(e[0], e[1]) + roundings(16.0, o);  // weights that add up to 1
       case Opcode::kMetaballs: return std::max(e[0], e[1]) + roundings(64.0, o);
+      case Opcode::kPolygonEdge: return std::max(e[2], e[0] + e[1] + 32.0 * unit_ * edge_size(o));
+      case Opcode::kPolygon: return e[0];
       case Opcode::kRotate: return sum(o, 3) * largest_factor(o.p) + roundings(32.0, o);
       // where a rounding chooses another cell, the contents of both say the same
       case Opcode::kRepeat: return sum(o, 3) + roundings(16.0, o);
@@ -146,7 +155,7 @@ class ErrorWalk {
   double error_of_expression(Opcode op, const Operands& o, const Range<double>& out) const {
     const double* const e = o.error;
     switch (op) {
-      case Opcode::kConstant: return roundings(1.0, o);
+      case Opcode::kConstant: return std::isinf(o.p[0]) ? 0.0 : roundings(1.0, o);
       case Opcode::kMultiplyConstant: return std::fabs(o.p[0]) * e[0] + 4.0 * unit_ * magnitude(out);
       case Opcode::kDivideConstant: return e[0] / std::fabs(o.p[0]) + 4.0 * unit_ * magnitude(out);
       case Opcode::kMultiply:
