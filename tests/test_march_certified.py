@@ -24,6 +24,7 @@ SHAPES: dict[str, om.Shape] = {
     "bent bar": om.box((3, 0.4, 0.4)).bend(40),
     "blend": om.sphere(1.0).union(om.box(1.5).translate(0.9, 0.3, 0.0), smooth=0.25) | om.plane(point=(0, -1, 0)),
     "metaballs": om.metaballs(om.sphere(0.6), om.sphere(0.5, center=(0.9, 0.2, 0)), k=0.2),
+    "thin star": om.polygon([(1, 0), (0.2, 0.2), (0, 1), (-0.2, 0.2), (-1, -0.4), (0.1, -0.2)]).extrude(1e-4),
     "windows": om.box((2, 3, 2)) - om.box((0.3, 0.4, 0.3)).repeat((0.5, 0.75, 0.5)),
     "crowd": om.union(*(om.sphere(0.1, center=np.sin([i, 2.1 * i, 3.3 * i])) for i in range(80)), smooth=0.02),
 }
