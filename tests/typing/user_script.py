@@ -78,3 +78,9 @@ assert_type(program.lipschitz, float)
 assert_type(om.isas(), list[str])
 lo, hi = shape.bounds()
 height: float = float(hi[1] - lo[1])
+
+study: om.Study = om.study(scene, camera, size=(64, 48), groups=("series", "finish"), rounds=0)
+row: om.StudyRow = study.table[0]
+settings: list[str] = [row.name for row in study.front[1:]]
+march: om.March = om.March.for_error(scene, camera, p95=1e-3)
+found: om.Measured | None = march.measured
