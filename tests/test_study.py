@@ -76,6 +76,15 @@ def test_errors_are_those_of_the_settings(whole: om.Study):
     assert not whole.table.column("false_misses")[[row.march.method != "fixed" for row in whole.table]].any()
 
 
+def test_certified_steps_end_no_ray_wrong_and_are_left_out_where_nothing_can_be_proven(whole: om.Study):
+    [certified] = [row for row in whole.table.of("method") if row.march.method == "certified"]
+    assert certified.wrong == 0
+    x, y, z = om.coordinates()
+    field = om.field(om.sqrt(x * x + y * y + z * z) - 1 + 0.01 * om.noise(x, y, z))
+    study = om.study(field, size=(16, 12), groups=("method",), rounds=0)
+    assert "certified" not in {row.march.method for row in study.table}
+
+
 def test_times_are_there_when_there_are_rounds(whole: om.Study):
     assert (whole.table.column("depth_ms") > 0).all()
     assert (whole.table.column("picture_ratio") > 0).all()
@@ -188,7 +197,7 @@ def test_places_that_cannot_be_written_are_told_at_once(tmp_path: Path):
 )
 def test_every_view_can_be_studied(camera: Any):
     study = om.study(SOLID, camera, (24, 16), groups=("series", "method", "precision"), rounds=0)
-    assert len(study.table) == 18
+    assert len(study.table) == 19
     assert len(study.front) >= 1
     study._repr_html_()
 

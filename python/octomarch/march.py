@@ -403,8 +403,12 @@ class March:
         )
 
 
+def _is_certifiable(program: Program) -> bool:
+    return not program.is_solid and all(math.isfinite(program._native.doubt(p)[0]) for p in ("float32", "float64"))
+
+
 def _require_certifiable(program: Program) -> None:
-    if program.is_solid or not all(math.isfinite(program._native.doubt(p)[0]) for p in ("float32", "float64")):
+    if not _is_certifiable(program):
         raise ValueError(
             "method must not be 'certified' for a shape with operators whose roundings have no known bound: see March"
         )

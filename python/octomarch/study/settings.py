@@ -14,7 +14,7 @@ import numpy as np
 
 from octomarch._validate import Precision
 from octomarch.camera import AnyCamera
-from octomarch.march import March
+from octomarch.march import March, _is_certifiable
 from octomarch.program import Program
 from octomarch.shading import Shading
 
@@ -94,7 +94,9 @@ def sweep(base: Setting, program: Program, far: float, groups: Sequence[str] = G
     for group in GROUPS:
         if group in groups and group in makers:
             found += [replace(setting, group=group) for setting in makers[group](base, program.size, far)]
-    return found
+    if _is_certifiable(program):
+        return found
+    return [setting for setting in found if setting.march.method != "certified"]
 
 
 def far_limit(program: Program, camera: AnyCamera, size: tuple[int, int], reach: float) -> float:
@@ -142,7 +144,8 @@ def _series(base: Setting, _size: float, far: float) -> Iterator[Setting]:
 
 
 def _methods(base: Setting, size: float, far: float) -> Iterator[Setting]:
-    yield from _marches(base, **{method: {"method": method} for method in ("auto", "plain", "relaxed", "enhanced")})
+    methods = ("auto", "plain", "relaxed", "enhanced", "certified")
+    yield from _marches(base, **{method: {"method": method} for method in methods})
     fixed = {"method": "fixed", "step": 1e-2 * size, "max_distance": far, "max_steps": None}
     yield from _marches(base, **{f"fixed, step {1e-2 * size:.1g}, to {far:.3g}": fixed})
 
