@@ -33,7 +33,10 @@ nitpicky = True
 # Types of other projects, and words of docstrings that are no names.
 nitpick_ignore_regex = [
     (r"py:.*", r"(numpy\.|collections\.|typing\.|os\.|NDArray|ndarray|dtype|np\.).*"),
-    (r"py:.*", r"(TypeError|ValueError|AttributeError|OSError|KeyboardInterrupt|RuntimeError)"),
+    (
+        r"py:.*",
+        r"(TypeError|ValueError|AttributeError|OSError|KeyboardInterrupt|RuntimeError|ImportError|FileNotFoundError)",
+    ),
     (r"py:obj", r"[a-z_]+"),  # parameters whose names are those of modules too
     (r"py:.*", r"(Enum|IntEnum|enum\.IntEnum|int|object|Field|octomarch\.queries\.Field)"),
 ]

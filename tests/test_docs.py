@@ -19,6 +19,8 @@ ROOT = Path(__file__).parents[1]
 GALLERY = sorted((ROOT / "examples" / "gallery").glob("[0-9]*.py"))
 PAGES = sorted([ROOT / "docs" / "index.md", *(ROOT / "docs" / "guide").glob("*.md")])
 LINES_AT_MOST = 40
+NEEDED = {"frames": "imageio"}
+"""Modules of extras that pages need."""
 
 
 def listed() -> list[str]:
@@ -55,6 +57,8 @@ def test_guide_speaks_of_all_that_is_public():
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_blocks_of_pages_run(page: Path, monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+    if page.stem in NEEDED:
+        pytest.importorskip(NEEDED[page.stem])
     monkeypatch.syspath_prepend(str(ROOT / "docs" / "_extensions"))
     monkeypatch.chdir(tmp_path)
     import blocks

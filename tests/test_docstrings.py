@@ -15,11 +15,15 @@ MODULES = sorted(
     for module in pkgutil.walk_packages(om.__path__, "octomarch.")
     if module.name not in ("octomarch._core", "octomarch.__main__")
 )
+NEEDED = {"octomarch.movies": "imageio"}
+"""Modules of extras that examples need."""
 PUBLIC = [name for name in om.__all__ if callable(getattr(om, name)) and name != "SceneError"]
 
 
 @pytest.mark.parametrize("name", ["octomarch", *MODULES])
 def test_examples_run(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    if name in NEEDED:
+        pytest.importorskip(NEEDED[name])
     monkeypatch.chdir(tmp_path)
     result = doctest.testmod(importlib.import_module(name), optionflags=doctest.ELLIPSIS)
     assert result.failed == 0

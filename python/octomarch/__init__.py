@@ -17,6 +17,7 @@ from octomarch.expressions import Expression, coordinates, normals
 from octomarch.exr import read_exr, write_exr
 from octomarch.fields import field, solid
 from octomarch.flat import circle, ellipse, polygon, rectangle, regular_polygon, segment, star
+from octomarch.frames import FramesError, render_frames
 from octomarch.functions import (
     absolute,
     acos,
@@ -47,11 +48,13 @@ from octomarch.machine import build_info, isas
 from octomarch.many import boxes, capsules, spheres
 from octomarch.march import March, Status
 from octomarch.materials import Material
+from octomarch.movies import write_movie
 from octomarch.noises import fractal_noise, noise
 from octomarch.operators import difference, intersection, metaballs, union
 from octomarch.png import write_png
 from octomarch.primitives import box, capsule, cylinder, plane, rounded_box, sphere, torus
 from octomarch.program import Program, compile
+from octomarch.progress import CancelledError, Progress
 from octomarch.queries import Hits
 from octomarch.render import render
 from octomarch.scene import Scene
@@ -73,16 +76,19 @@ from octomarch.solids import (
 from octomarch.study import Measured, Study, StudyRow, StudyTable, study
 from octomarch.surfaces import diamond, gyroid, schwarz_p
 from octomarch.textures import Texture, checker, image_texture, noise_texture, stripes
+from octomarch.turntables import turntable
 
 __version__ = build_info()["version"]
 
 __all__ = [
     "Camera",
+    "CancelledError",
     "ConstantSky",
     "CustomSky",
     "DirectionalLight",
     "EnvironmentMap",
     "Expression",
+    "FramesError",
     "GradientSky",
     "Hits",
     "Image",
@@ -93,6 +99,7 @@ __all__ = [
     "PanoramicCamera",
     "PointLight",
     "Program",
+    "Progress",
     "Scene",
     "SceneError",
     "Shading",
@@ -166,6 +173,7 @@ __all__ = [
     "reference",
     "regular_polygon",
     "render",
+    "render_frames",
     "rounded_box",
     "schwarz_p",
     "segment",
@@ -182,8 +190,10 @@ __all__ = [
     "tan",
     "torus",
     "triangular_prism",
+    "turntable",
     "union",
     "where",
     "write_exr",
+    "write_movie",
     "write_png",
 ]

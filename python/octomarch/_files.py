@@ -5,9 +5,11 @@ from __future__ import annotations
 import os
 import secrets
 import shutil
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+
+_TOKEN = 6  # bytes
 
 
 @contextmanager
@@ -24,7 +26,7 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise OSError(f"cannot write {path}: it is not a regular file")
     if not target.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path}: there is no directory {target.parent}")
-    temporary = target.with_name(f".{target.stem[:100]}.{secrets.token_hex(6)}.tmp{target.suffix}")
+    temporary = target.with_name(f"{_beginning(target)}{secrets.token_hex(_TOKEN)}.tmp{target.suffix}")
     try:
         temporary.open("xb").close()  # here, so that an unwritable directory is a plain OSError
         yield temporary
@@ -35,3 +37,22 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
         raise
+
+
+def remove_leftovers(paths: Iterable[str | os.PathLike[str]]) -> None:
+    """Remove what writers of these files have left beside them that were killed on the way.
+
+    Only for files that nobody is writing any more.
+    """
+    targets = [Path(os.path.realpath(path)) for path in paths]
+    beginnings = {(target.parent, _beginning(target), target.suffix) for target in targets}
+    for folder in {target.parent for target in targets}:
+        for file in folder.iterdir():
+            stem, _, suffix = file.name.rpartition(".tmp")
+            if (folder, stem[: -2 * _TOKEN], suffix) in beginnings:
+                with suppress(OSError):
+                    file.unlink()
+
+
+def _beginning(target: Path) -> str:
+    return f".{target.stem[:100]}."

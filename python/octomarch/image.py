@@ -216,8 +216,8 @@ class Image:
 
             write_exr(path, self)
         elif suffix == ".png":
-            document = self.metadata.get("document")
-            data = png.png_bytes(self.to_srgb(), document if isinstance(document, str) else None)
+            texts = {png.DOCUMENT: self.metadata.get("document"), png.DIGEST: self.metadata.get("digest")}
+            data = png.png_bytes(self.to_srgb(), {key: text for key, text in texts.items() if isinstance(text, str)})
             with atomic(path) as temporary:
                 temporary.write_bytes(data)
         else:

@@ -9,6 +9,7 @@ import io
 import os
 import struct
 import zlib
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -17,7 +18,10 @@ from numpy.typing import NDArray
 from octomarch import _validate as check
 from octomarch._files import atomic
 
-_KEYWORD = "octomarch"
+DOCUMENT = "octomarch"
+"""Keyword of the text that holds the shot."""
+DIGEST = "octomarch digest"
+"""Keyword of the text that tells of which shot the picture is, however large that is."""
 
 
 def write_png(path: str | os.PathLike[str], colors: NDArray[Any]) -> None:
@@ -57,22 +61,22 @@ def write_png(path: str | os.PathLike[str], colors: NDArray[Any]) -> None:
         temporary.write_bytes(data)
 
 
-def png_bytes(colors: NDArray[np.uint8], text: str | None = None) -> bytes:
-    """Return a PNG file of sRGB bytes, shape (height, width, 3) or (height, width), with a text compressed in it."""
+def png_bytes(colors: NDArray[np.uint8], texts: Mapping[str, str] | None = None) -> bytes:
+    """Return a PNG file of sRGB bytes, shape (height, width, 3) or (height, width), with texts compressed in it."""
     import PIL.Image  # here, since it takes longer to import than all the rest
     import PIL.PngImagePlugin
 
     chunks = PIL.PngImagePlugin.PngInfo()
     chunks.add(b"sRGB", b"\0")  # perceptual intent: tells viewers which curve these bytes follow
-    if text is not None:
-        chunks.add_itxt(_KEYWORD, text, zip=True)
+    for keyword, text in (texts or {}).items():
+        chunks.add_itxt(keyword, text, zip=True)
     buffer = io.BytesIO()
     PIL.Image.fromarray(np.ascontiguousarray(colors)).save(buffer, format="PNG", pnginfo=chunks)
     return buffer.getvalue()
 
 
-def read_text(path: str) -> str | None:
-    """Return the text that `png_bytes` put into a file, None where there is none.
+def read_text(path: str, keyword: str = DOCUMENT, *, whole: bool = False) -> str | None:
+    """Return a text that `png_bytes` put into a file, None where there is none; `whole` looks at all of the file first.
 
     Raises
     ------
@@ -84,7 +88,9 @@ def read_text(path: str) -> str | None:
     errors = (SyntaxError, ValueError, EOFError, struct.error, zlib.error, PIL.Image.DecompressionBombError)
     try:
         with PIL.Image.open(path, formats=("PNG",)) as image:
-            return image.info.get(_KEYWORD)  # texts stand before the pixels
+            if whole:
+                image.verify()
+            return image.info.get(keyword)  # texts stand before the pixels
     except FileNotFoundError:
         raise
     except (OSError, *errors) as error:

@@ -7,9 +7,8 @@ marches and shades packets of rays, tile by tile, over all cores.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from typing import Any, TypeAlias
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -23,12 +22,11 @@ from octomarch.lights import DirectionalLight
 from octomarch.march import March
 from octomarch.planes import PLANES, PlaneName
 from octomarch.program import Program, compile
+from octomarch.progress import Callback, reporting
 from octomarch.scene import Scene
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
 from octomarch.textures import Texture
-
-Progress: TypeAlias = Callable[[int, int], None]
 
 _LISTED_AT_MOST = 400  # instructions: beyond that a listing would outweigh the picture it is saved with
 
@@ -46,7 +44,7 @@ def render(
     crop: Sequence[int] | None = None,
     threads: int | None = None,
     isa: str | None = None,
-    progress: bool | Progress | None = None,
+    progress: bool | Callback | None = None,
 ) -> Image:
     """Render a picture.
 
@@ -77,8 +75,9 @@ def render(
         Threads at the most; None for all cores. The picture does not depend on it.
     isa : str, optional
         One of `octomarch.isas`; None for the best, or what the environment's OCTOMARCH_ISA says.
-    progress : bool or callable, optional
-        True shows a bar; a callable gets (tiles done, tiles in all) from time to time.
+    progress : bool, callable or Progress, optional
+        True shows a bar, in terminals and notebooks, with rays a second and the time left. A callable gets (tiles done,
+        tiles in all) from time to time, and what it raises ends the render. A `Progress` can be cancelled.
 
     Returns
     -------
@@ -91,8 +90,8 @@ def render(
         If an argument is of a wrong type or outside its range; an unknown name is answered with those there are.
     SceneError
         If the shape cannot be compiled.
-    KeyboardInterrupt
-        Ctrl-C stops a render at once.
+    KeyboardInterrupt, CancelledError
+        Ctrl-C and `Progress.cancel` stop a render at once.
 
     Examples
     --------
@@ -115,7 +114,7 @@ def render(
         scene = lit_by_default(scene, camera) if "color" in names else Scene(scene)
     march = march.resolve(program, camera._ray_origins((width, height)))
     shading = shading.resolve(program)
-    with _reporting(progress) as report:
+    with reporting(progress, "render", " rays", window[2] * window[3] * rays) as report:
         arrays, stats = _core.render(
             program._native,
             scene._native(),
@@ -171,29 +170,6 @@ def _or_default(kind: type[Any], name: str, value: object) -> Any:
     if not isinstance(value, kind):
         raise TypeError(f"{name} must be an om.{kind.__name__}, got {check.shown(value)}")
     return value
-
-
-@contextmanager
-def _reporting(
-    progress: bool | Progress | None, title: str = "render", unit: str = " tiles"
-) -> Iterator[Progress | None]:
-    """Give what is called with how many units are done, and how many there are in all."""
-    if progress is None or progress is False:
-        yield None
-    elif progress is True:
-        import tqdm  # here, since most renders show no bar
-
-        with tqdm.tqdm(desc=title, unit=unit, leave=False) as bar:
-
-            def report(done: int, total: int) -> None:
-                bar.total = total
-                bar.update(done - bar.n)
-
-            yield report
-    elif callable(progress):
-        yield progress
-    else:
-        raise TypeError(f"progress must be True, a callable or None, got {check.shown(progress)}")
 
 
 def _document(*arguments: Any, **settings: Any) -> str | None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import copyreg
 import gc
+import hashlib
 import json
 import os
 from collections import Counter
@@ -124,6 +125,20 @@ def text_for_picture(shot: Shot) -> str | None:
     if _document.weight(shot) > _MOST_IN_PICTURES:
         return None
     return _line(_document.document(shot))
+
+
+def digest(shot: Shot) -> str:
+    """Return what tells a shot from all others, and from itself in other versions: a SHA-256 of its document.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> shot = om.Shot(om.Scene(om.sphere(1.0)))
+    >>> digest(shot) == digest(om.Shot(om.Scene(om.sphere(1.0)))), digest(shot) == digest(om.Shot(om.Scene(om.box(1))))
+    (True, False)
+    """
+    with _without_collector():
+        return hashlib.sha256(_line(_document.document(shot)).encode()).hexdigest()
 
 
 def text(document: dict[str, Any]) -> str:

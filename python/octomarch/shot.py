@@ -15,7 +15,8 @@ from octomarch.camera import AnyCamera
 from octomarch.image import Image
 from octomarch.march import March
 from octomarch.planes import PLANES, PlaneName
-from octomarch.render import Progress, render
+from octomarch.progress import Callback
+from octomarch.render import render
 from octomarch.scene import Scene
 from octomarch.shading import Shading
 
@@ -86,7 +87,7 @@ class Shot:
         *,
         threads: int | None = None,
         isa: str | None = None,
-        progress: bool | Progress | None = None,
+        progress: bool | Callback | None = None,
         **changes: Any,
     ) -> Image:
         """Take the picture; see `octomarch.render`.

@@ -1,5 +1,6 @@
 """A user's script that uses all of the interface; test_typing.py has mypy check it, strictly."""
 
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import assert_type
 
@@ -72,6 +73,14 @@ assert_type(image.material_id, NDArray[np.int32])
 mean: float = float(image.color.mean())
 image.save(Path("tower.png"))
 assert_type(om.read_exr("tower.exr"), om.Image)
+
+work = om.Progress(report)
+cameras = om.turntable(scene, 24, camera=om.OrthographicCamera((0, 0, 9), (0, 0, 0)))
+with ThreadPoolExecutor() as pool:
+    paths = om.render_frames([scene, shape], cameras[:2], out="f{:03d}.exr", executor=pool, planes=names, progress=work)
+assert_type(paths, list[Path])
+om.write_movie("tower.mp4", [image, *paths, np.zeros((48, 64, 3))], fps=12)
+work.cancel()
 
 program = om.compile(scene)
 assert_type(program.lipschitz, float)

@@ -16,7 +16,8 @@ from octomarch._validate import Precision
 from octomarch.camera import AnyCamera, or_framing
 from octomarch.march import March
 from octomarch.program import Program, compile
-from octomarch.render import Progress, _or_default, _reporting, lit_by_default
+from octomarch.progress import Callback, reporting
+from octomarch.render import _or_default, lit_by_default
 from octomarch.scene import Scene
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
@@ -46,7 +47,7 @@ def study(
     resume: str | os.PathLike[str] | None = None,
     threads: int | None = None,
     isa: str | None = None,
-    progress: bool | Progress | None = None,
+    progress: bool | Callback | None = None,
 ) -> Study:
     """Measure what settings cost in a scene, and how far each is from the truth.
 
@@ -133,7 +134,7 @@ def study(
         kind=kind,
         threads=subject.threads,
     )
-    with _reporting(progress, "study", " settings") as report:
+    with reporting(progress, "study", " settings") as report:
         rows = _measure_all(subject, plan, true, kept, report)
     return Study(subject, true, rows)
 
@@ -200,7 +201,7 @@ def _about(subject: Subject, base: Setting, far: float, truth: TruthKind) -> dic
 
 
 def _measure_all(
-    subject: Subject, plan: _Plan, truth: Truth, kept: Kept, report: Progress | None
+    subject: Subject, plan: _Plan, truth: Truth, kept: Kept, report: Callback | None
 ) -> list[tuple[Setting, Measures]]:
     """Measure every setting that is not kept yet."""
     found = []

@@ -15,7 +15,7 @@ from octomarch._validate import Precision
 from octomarch.camera import AnyCamera, or_framing
 from octomarch.march import March
 from octomarch.program import compile
-from octomarch.render import Progress, _reporting
+from octomarch.progress import Callback, reporting
 from octomarch.scene import Scene
 from octomarch.shapes import Shape
 from octomarch.study.sample import Sample, Target, Trial, sampled
@@ -40,7 +40,7 @@ def march_for_error(
     precision: Precision,
     max_distance: float | None,
     threads: int | None,
-    progress: bool | Progress | None,
+    progress: bool | Callback | None,
 ) -> March:
     """Return the cheapest settings that meet a target on a sample; see `March.for_error`."""
     target = Target(
@@ -56,7 +56,7 @@ def march_for_error(
     bare = scene if isinstance(scene, Scene) else Scene(scene)
     families = _solid_families(base, program.size) if program.is_solid else _families(base, program.size)
     sample = sampled(bare, camera, whole, base, _WINDOWS[0], *options)
-    with _reporting(progress, "search", " settings") as report:
+    with reporting(progress, "search", " settings") as report:
         trials = _tuned(sample.half(0), families, target, report)
     for count in _WINDOWS:
         if count > _WINDOWS[0] and sample.share < 1:
@@ -91,7 +91,7 @@ def _solid_families(base: March, size: float) -> list[list[March]]:
     ]
 
 
-def _tuned(half: Sample, families: Sequence[list[March]], target: Target, report: Progress | None) -> list[Trial]:
+def _tuned(half: Sample, families: Sequence[list[March]], target: Target, report: Callback | None) -> list[Trial]:
     """Return what was measured on a half of the sample.
 
     Of each family the member with enough steps comes first: if that misses the target, fewer steps would too. Else all
