@@ -8,11 +8,14 @@ Shapes are built by functions and operators, compiled to a flat program and marc
 (48, 64, 3)
 """
 
-from octomarch import reference
+import sys
+
+from octomarch import _spelling, reference
 from octomarch._core import SceneError
 from octomarch.camera import Camera, OrthographicCamera, PanoramicCamera
 from octomarch.choices import equal, mix, smoothstep, where
 from octomarch.colormaps import colormap, iteration_colors
+from octomarch.empty import RenderWarning
 from octomarch.expressions import Expression, coordinates, normals
 from octomarch.exr import read_exr, write_exr
 from octomarch.fields import field, solid
@@ -100,6 +103,7 @@ __all__ = [
     "PointLight",
     "Program",
     "Progress",
+    "RenderWarning",
     "Scene",
     "SceneError",
     "Shading",
@@ -197,3 +201,5 @@ __all__ = [
     "write_movie",
     "write_png",
 ]
+
+_spelling.install(sys.modules[__name__])

@@ -17,7 +17,7 @@ _POLL = 0.02  # seconds: as often as native work listens
 
 
 class Future(Protocol):
-    """What `Executor.submit` returns: that much of `concurrent.futures.Future`."""
+    """What `Executor.submit` returns: that much of ``concurrent.futures.Future``."""
 
     def done(self) -> bool:
         """Tell whether there is a result or an exception."""
@@ -30,7 +30,7 @@ class Future(Protocol):
 
 
 class Executor(Protocol):
-    """What runs calls elsewhere: of `concurrent.futures`, Dask, MPI or anyone, as far as it has `submit`."""
+    """What runs calls elsewhere: of ``concurrent.futures``, Dask, MPI or anyone, as far as it has `submit`."""
 
     def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future:
         """Have a call done, some time."""

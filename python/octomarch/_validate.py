@@ -1,7 +1,8 @@
 """Turns what users pass into what the native module takes: floats, 3-tuples, contiguous arrays.
 
-Comes before every other module of the package. A wrong type is a `TypeError`, a value outside its domain a
-`ValueError`; both name the argument and show the value. Numbers that native builders check are only converted here.
+Comes before every other module of the package but `_spelling`. A wrong type is a `TypeError`, a value outside its
+domain a `ValueError`; both name the argument and show the value. Numbers that native builders check are only converted
+here.
 """
 
 from __future__ import annotations
@@ -13,6 +14,8 @@ from typing import Any, Literal, TypeAlias, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+
+from octomarch._spelling import nearest
 
 Vec2: TypeAlias = tuple[float, float]
 Vec3: TypeAlias = tuple[float, float, float]
@@ -195,7 +198,9 @@ def choice(name: str, value: object, options: Sequence[str | None]) -> Any:
     if value is not None and not isinstance(value, str):
         raise TypeError(f"{name} must be one of {_listed(options)}, got {shown(value)}")
     if value not in options:
-        raise ValueError(f"{name} must be one of {_listed(options)}, got {shown(value)}")
+        meant = nearest(str(value), [option for option in options if option is not None])
+        hint = f"; did you mean {meant!r}?" if meant else ""
+        raise ValueError(f"{name} must be one of {_listed(options)}, got {shown(value)}{hint}")
     return value
 
 
@@ -213,7 +218,7 @@ def points(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Return real numbers of shape (..., 3) as a contiguous float64 array; NaN and infinities pass."""
     array = _real_numbers(name, value, "(..., 3)")
     if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"{name} must have shape (..., 3), got shape {array.shape}")
+        raise ValueError(f"{name} must have shape (..., 3), got shape {array.shape}{_turned(name, array)}")
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
@@ -221,8 +226,13 @@ def rows(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Return real numbers of shape (n, 3), n ≥ 1, as a contiguous float64 array; NaN and infinities pass."""
     array = _real_numbers(name, value, "(n, 3)")
     if array.ndim != 2 or array.shape[1] != 3 or not len(array):
-        raise ValueError(f"{name} must have shape (n, 3) with n ≥ 1, got shape {array.shape}")
+        raise ValueError(f"{name} must have shape (n, 3) with n ≥ 1, got shape {array.shape}{_turned(name, array)}")
     return np.ascontiguousarray(array, dtype=np.float64)
+
+
+def _turned(name: str, array: NDArray[Any]) -> str:
+    """Return what to add where only rows and columns were mixed up."""
+    return f"; its transpose, {name}.T, would do" if array.ndim == 2 and array.shape[0] == 3 else ""
 
 
 def spread(name: str, value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:

@@ -42,6 +42,8 @@ class FramesError(RuntimeError):
         The last error of each, by the frame's number.
     paths : sequence of path
         Of all frames, those that failed included.
+    noun : str
+        What they are called in the message.
 
     Examples
     --------
@@ -60,20 +62,20 @@ class FramesError(RuntimeError):
     paths: list[Path]
     """Where all frames are, or should be."""
 
-    def __init__(self, failures: Mapping[int, Exception], paths: Sequence[Path]) -> None:
-        self.failures, self.paths = dict(failures), list(paths)
+    def __init__(self, failures: Mapping[int, Exception], paths: Sequence[Path], noun: str = "frame") -> None:
+        self.failures, self.paths, self._noun = dict(failures), list(paths), noun
         told = [
-            f"frame {place} ({paths[place].name}): {type(error).__name__}: {error}"
+            f"{noun} {place} ({paths[place].name}): {type(error).__name__}: {error}"
             for place, error in list(self.failures.items())[:_MOST_TOLD]
         ]
         more = len(self.failures) - len(told)
         super().__init__(
-            f"{len(self.failures)} of {len(paths)} frames failed, the others are there: {'; '.join(told)}"
+            f"{len(self.failures)} of {len(paths)} {noun}s failed, the others are there: {'; '.join(told)}"
             + (f"; and {more} more" if more else "")
         )
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.failures, self.paths)
+        return type(self), (self.failures, self.paths, self._noun)
 
 
 @dataclass(frozen=True)
@@ -131,7 +133,7 @@ def render_frames(
     out : str or path-like
         Where frames go, with a place for the number, which counts from 0; ends in ``.exr`` or ``.png``.
     executor : object with a method submit, optional
-        What runs the frames, each as one task: an executor of `concurrent.futures`, a client of `dask.distributed`
+        What runs the frames, each as one task: an executor of ``concurrent.futures``, a client of ``dask.distributed``
         (extra ``cluster``), or any other. It has to see the same files. None: one frame after the other, here.
     retries : int
         How often a frame that fails is tried again, ≥ 0.

@@ -16,6 +16,7 @@ from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import Precision
 from octomarch.camera import AnyCamera, axes, or_framing
+from octomarch.empty import View, warn_if_empty
 from octomarch.expressions import Expression
 from octomarch.image import Image
 from octomarch.lights import DirectionalLight
@@ -93,6 +94,11 @@ def render(
     KeyboardInterrupt, CancelledError
         Ctrl-C and `Progress.cancel` stop a render at once.
 
+    Warns
+    -----
+    RenderWarning
+        If nothing is to be seen in a whole picture: why, and what would help.
+
     Examples
     --------
     >>> import octomarch as om
@@ -114,21 +120,17 @@ def render(
         scene = lit_by_default(scene, camera) if "color" in names else Scene(scene)
     march = march.resolve(program, camera._ray_origins((width, height)))
     shading = shading.resolve(program)
+
+    def take(view: View, window: Sequence[int], samples: int, planes: list[Any], report: Callback | None = None) -> Any:
+        of = view.program._native, scene._native(), view.camera._native(), view.march._native(), shading._native()
+        width, height = view.size
+        return _core.render(*of, width, height, window, samples, planes, *options, report)
+
+    view = View(program, camera, (width, height), march)
     with reporting(progress, "render", " rays", window[2] * window[3] * rays) as report:
-        arrays, stats = _core.render(
-            program._native,
-            scene._native(),
-            camera._native(),
-            march._native(),
-            shading._native(),
-            width,
-            height,
-            window,
-            rays,
-            names,
-            *options,
-            report,
-        )
+        arrays, stats = take(view, window, rays, names, report)
+    if crop is None:
+        warn_if_empty(view, arrays, stats, lambda less: take(less, (0, 0, *less.size), 1, ["status"])[0]["status"])
     settings = {
         "size": (width, height),
         "crop": None if crop is None else window,

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from octomarch import _validate as check
+from octomarch._spelling import hint
 from octomarch._validate import Precision
 from octomarch.camera import AnyCamera
 from octomarch.image import Image
@@ -115,6 +116,11 @@ class Shot:
         >>> shot.render(size=(64, 48), planes=("depth",))
         <Image 64×48: depth>
         """
+        names = [field.name for field in dataclasses.fields(self)]
+        for name in changes:
+            if name not in names:
+                told = f"Shot.render() got an unexpected keyword argument {name!r}"
+                raise TypeError(told + hint(name, [*names, "threads", "isa", "progress"]))
         shot = dataclasses.replace(self, **changes)
         settings = {field.name: getattr(shot, field.name) for field in dataclasses.fields(shot)}
         return render(**settings, threads=threads, isa=isa, progress=progress)

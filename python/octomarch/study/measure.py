@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from octomarch.camera import AnyCamera
+from octomarch.empty import expected
 from octomarch.image import Image
 from octomarch.planes import PlaneName
 from octomarch.render import render
@@ -41,17 +42,18 @@ class Subject:
 
     def picture(self, setting: Setting, planes: tuple[PlaneName, ...] = _PLANES) -> Image:
         """Render with a setting."""
-        return render(
-            self.scene,
-            self.camera,
-            self.size,
-            march=setting.march,
-            shading=setting.shading,
-            planes=planes,
-            precision=setting.precision,
-            threads=self.threads,
-            isa=self.isa,
-        )
+        with expected():
+            return render(
+                self.scene,
+                self.camera,
+                self.size,
+                march=setting.march,
+                shading=setting.shading,
+                planes=planes,
+                precision=setting.precision,
+                threads=self.threads,
+                isa=self.isa,
+            )
 
 
 def measured(subject: Subject, setting: Setting, base: Setting, truth: Truth, reach: float) -> Measures:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from octomarch import reference
 from octomarch.camera import AnyCamera
+from octomarch.empty import expected
 from octomarch.image import Image
 from octomarch.march import March, Status
 from octomarch.planes import PlaneName
@@ -110,17 +111,18 @@ def find_truth(
     >>> round(float(truth.depth[16, 16]), 9), truth.disagreements
     (2.0, 0)
     """
-    image = render(
-        scene,
-        camera,
-        size,
-        march=truth_march(march, compile(scene).size),
-        shading=shading,
-        planes=planes,
-        precision="float64",
-        crop=crop,
-        threads=threads,
-    )
+    with expected():
+        image = render(
+            scene,
+            camera,
+            size,
+            march=truth_march(march, compile(scene).size),
+            shading=shading,
+            planes=planes,
+            precision="float64",
+            crop=crop,
+            threads=threads,
+        )
     depth = np.where(image.status <= Status.MISS, image.depth, np.nan)
     window = crop or (0, 0, *size)
     lines = [] if march.min_distance > 0 else _lines(window, kind, share, compile(scene).instructions)
