@@ -94,6 +94,23 @@ def test_render_takes_files_and_pictures(tmp_path: Path, capsys: pytest.CaptureF
     assert capsys.readouterr().out.count("sphere") == 2
 
 
+def test_large_renders_go_band_by_band(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+):
+    shot = om.Shot(om.Scene(om.sphere(1.0)), om.Camera((0, 0, 4), (0, 0, 0)), (32, 18), planes=("color", "depth"))
+    shot.save(tmp_path / "shot.json")
+    arguments = ["render", str(tmp_path / "shot.json"), "-o", str(tmp_path / "out.exr"), "--size", "64x36"]
+    assert main(arguments) == 0
+    at_once, image = capsys.readouterr().out, om.read_exr(tmp_path / "out.exr")
+    monkeypatch.setattr("octomarch.cli._LARGE", 2000)
+    monkeypatch.setattr(om, "render", lambda *_, **__: pytest.fail("at once"))
+    assert main(arguments) == 0
+    assert capsys.readouterr().out.split(",")[0] == at_once.split(",")[0]
+    again = om.read_exr(tmp_path / "out.exr")
+    assert "digest" in again.metadata
+    assert (again.depth == image.depth).all()
+
+
 def test_render_of_a_demo_to_png(tmp_path: Path):
     assert main(["render", "blend", "-o", str(tmp_path / "blend.png"), "--size", "48x27"]) == 0
     assert om.Shot.load(tmp_path / "blend.png").size == (48, 27)

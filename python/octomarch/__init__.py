@@ -12,6 +12,7 @@ import sys
 
 from octomarch import _spelling, reference
 from octomarch._core import SceneError
+from octomarch.bands import render_file
 from octomarch.camera import Camera, OrthographicCamera, PanoramicCamera
 from octomarch.choices import equal, mix, smoothstep, where
 from octomarch.colormaps import colormap, iteration_colors
@@ -177,6 +178,7 @@ __all__ = [
     "reference",
     "regular_polygon",
     "render",
+    "render_file",
     "render_frames",
     "rounded_box",
     "schwarz_p",

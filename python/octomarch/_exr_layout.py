@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import os
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import BinaryIO
+from typing import BinaryIO, TypeAlias
 
 import numpy as np
 
@@ -23,13 +23,20 @@ _DEFLATED = (2, 3)
 _DEFLATE_LIMIT = 1032  # of deflate: 258 bytes from a pair of one-bit codes
 
 
+Attribute: TypeAlias = tuple[str, bytes]
+"""Type and value, as the file holds them."""
+
+
 @dataclass(frozen=True)
 class Layout:
-    """What a header promises: size in pixels and the type of each channel."""
+    """What a header promises: size in pixels and the type of each channel; and the parts of the file."""
 
     width: int
     height: int
     channels: dict[str, str]
+    attributes: dict[str, Attribute]
+    chunks: tuple[tuple[int, int], ...] = ()
+    """First byte and number of bytes of each, from the top row."""
 
 
 class _Reader:
@@ -83,32 +90,31 @@ def read_layout(path: str) -> Layout:
             raise OSError(f"{path}: only scan-line EXR files can be read, this one is tiled")
         attributes = _attributes(reader)
         layout, compression, first_row = _header(reader, attributes)
-        _check_chunks(reader, layout, compression, first_row)
-        return layout
+        return replace(layout, chunks=_checked_chunks(reader, layout, compression, first_row))
 
 
-def _attributes(reader: _Reader) -> dict[str, bytes]:
-    attributes: dict[str, bytes] = {}
+def _attributes(reader: _Reader) -> dict[str, Attribute]:
+    attributes: dict[str, Attribute] = {}
     while name := reader.text("the header"):
-        reader.text("the header")  # the type
+        kind = reader.text("the header")
         count = reader.integers(1, "the header")[0]
-        attributes[name] = reader.take(count, f"the header's attribute {name!r}")
+        attributes[name] = kind, reader.take(count, f"the header's attribute {name!r}")
     return attributes
 
 
-def _header(reader: _Reader, attributes: dict[str, bytes]) -> tuple[Layout, int, int]:
+def _header(reader: _Reader, attributes: dict[str, Attribute]) -> tuple[Layout, int, int]:
     """Return the layout, the compression and the number of the first row."""
     for name, count in {"channels": None, "compression": 1, "dataWindow": 16}.items():
-        if name not in attributes or (count is not None and len(attributes[name]) != count):
+        if name not in attributes or (count is not None and len(attributes[name][1]) != count):
             raise reader.error(f"the header's attribute {name!r} is missing or of a wrong length")
-    compression = attributes["compression"][0]
+    compression = attributes["compression"][1][0]
     if compression not in _ROWS:
         raise OSError(f"{reader.path}: unknown EXR compression {compression}")
-    x_min, y_min, x_max, y_max = struct.unpack("<4i", attributes["dataWindow"])
+    x_min, y_min, x_max, y_max = struct.unpack("<4i", attributes["dataWindow"][1])
     width, height = x_max - x_min + 1, y_max - y_min + 1
     if not (1 <= width < 2**31 and 1 <= height < 2**31):
         raise reader.error(f"a size of {width}×{height} pixels")
-    return Layout(width, height, _channels(reader, attributes["channels"])), compression, y_min
+    return Layout(width, height, _channels(reader, attributes["channels"][1]), attributes), compression, y_min
 
 
 def _channels(reader: _Reader, data: bytes) -> dict[str, str]:
@@ -131,12 +137,13 @@ def _channels(reader: _Reader, data: bytes) -> dict[str, str]:
     return channels
 
 
-def _check_chunks(reader: _Reader, layout: Layout, compression: int, first_row: int) -> None:
+def _checked_chunks(reader: _Reader, layout: Layout, compression: int, first_row: int) -> tuple[tuple[int, int], ...]:
     rows = _ROWS[compression]
     count = -(-layout.height // rows)
     table = reader.take(8 * count, f"the table of {count} chunks for {layout.width}×{layout.height} pixels")
     first_byte = reader.file.tell()
     sizes = dict(_PIXEL_TYPES.values())
+    chunks = []
     row_bytes = layout.width * sum(sizes[kind] for kind in layout.channels.values())
     for index, offset in enumerate(np.frombuffer(table, dtype="<u8").tolist()):
         what = f"chunk {index + 1} of {count}"
@@ -152,3 +159,5 @@ def _check_chunks(reader: _Reader, layout: Layout, compression: int, first_row: 
         if offset + 8 + size > reader.length:
             missing = offset + 8 + size - reader.length
             raise reader.error(f"it ends after {reader.length} bytes, {missing} bytes short of the end of {what}")
+        chunks.append((offset, 8 + size))
+    return tuple(chunks)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import os
 import platform
 import runpy
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +16,14 @@ import numpy as np
 
 import octomarch as om
 from octomarch.demo import DEMOS
+from octomarch.exr import read_document
 from octomarch.machine import resolve_isa
 from octomarch.planes import PLANES
 from octomarch.scenefile import read
 from octomarch.study.settings import GROUPS
 from octomarch.study.truth import TRUTH_KINDS
 
+_LARGE = 2**24  # pixels: above that a picture goes band by band into its file, and an interrupted one goes on
 _NAMES = ("shot", "scene", "shape")  # looked for in Python files
 
 
@@ -139,7 +142,7 @@ def _demo(options: argparse.Namespace) -> None:
         for path in paths:
             image.save(path)
         print(f"{name}: {', '.join(map(str, paths))}")
-        print(f"  {_summary(image)}")
+        print(f"  {_summary(image.size, image.stats)}")
 
 
 def _render(options: argparse.Namespace) -> None:
@@ -148,11 +151,18 @@ def _render(options: argparse.Namespace) -> None:
     _check_output(options.output, ".exr", ".png")
     subject = _scene(options.scene)
     if isinstance(subject, om.Shot):
-        image = subject.render(**changes, **_execution(options))
+        fields = {field.name: getattr(subject, field.name) for field in dataclasses.fields(subject)}
     else:
-        image = om.render(subject, **changes, **_execution(options))
-    image.save(options.output)
-    print(f"{options.output}: {_summary(image)}")
+        fields = {"scene": subject}
+    settings = {**fields, **changes, **_execution(options)}
+    width, height = settings.get("size", (0, 0))
+    if options.output.suffix.lower() == ".exr" and width * height > _LARGE:
+        stats = read_document(os.fspath(om.render_file(**settings, out=options.output)))["stats"]
+    else:
+        image = om.render(**settings)
+        image.save(options.output)
+        (width, height), stats = image.size, image.stats
+    print(f"{options.output}: {_summary((width, height), stats)}")
 
 
 def _study(options: argparse.Namespace) -> None:
@@ -186,9 +196,8 @@ def _execution(options: argparse.Namespace) -> dict[str, Any]:
     return {"threads": options.threads, "isa": options.isa, "progress": sys.stderr.isatty()}
 
 
-def _summary(image: om.Image) -> str:
-    stats = image.stats
-    width, height = image.size
+def _summary(size: tuple[int, int], stats: Mapping[str, Any]) -> str:
+    width, height = size
     rays = stats["rays"] + stats["shadow_rays"] + stats["reflection_rays"]
     marched = stats["primary_evaluations"] + stats["cone_evaluations"]
     shading = sum(stats[f"{kind}_evaluations"] for kind in ("shadow", "reflection", "occlusion", "gradient"))

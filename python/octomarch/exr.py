@@ -24,7 +24,8 @@ from octomarch._files import atomic
 from octomarch.image import Image
 from octomarch.planes import PLANES, PlaneName
 
-_ATTRIBUTE = "octomarch"
+ATTRIBUTE = "octomarch"
+"""Of the header: what is known of the picture, as `encoded` gives it."""
 # Rec. ITU-R BT.709 primaries and white, x and y of each: what R G B mean.
 _CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
 
@@ -68,14 +69,13 @@ def write_exr(path: str | os.PathLike[str], image: Image) -> None:
         stored = _stored(name, getattr(image, name))
         channels.update(stored)
         checksums[name] = _checksum(stored)
-    document = {"version": _version(), "metadata": image.metadata, "stats": image.stats, "crc32": checksums}
     header = {
         "type": OpenEXR.scanlineimage,
         "compression": OpenEXR.ZIP_COMPRESSION,
         "chromaticities": _CHROMATICITIES,
         "software": f"octomarch {_version()}",
         **_windows(image),
-        _ATTRIBUTE: json.dumps(_plain(document), ensure_ascii=False, separators=(",", ":")),
+        ATTRIBUTE: encoded(image.metadata, image.stats, checksums),
     }
     with atomic(path) as temporary:
         try:
@@ -115,19 +115,49 @@ def read_exr(path: str | os.PathLike[str], *, verify: bool = True) -> Image:
     [32, 24]
     """
     name = os.fspath(path)
-    layout = read_layout(name)
-    header, channels = _read(name, layout)
-    document = _document(name, header)
-    groups = _groups(name, layout, channels)
-    expected = document.get("crc32")
-    if verify and expected is not None:
-        _verify(name, groups, expected)
+    document, groups = read_channels(name, read_layout(name), verify=verify)
     arrays = {plane: _restored(name, plane, group) for plane, group in groups.items()}
     return Image(arrays, stats=document.get("stats"), metadata=document.get("metadata"))
 
 
-def read_metadata(path: str) -> dict[str, Any]:
-    """Return the metadata of an image in a file, without its pixels.
+def read_channels(
+    path: str, layout: Layout, *, verify: bool = True
+) -> tuple[dict[str, Any], dict[PlaneName, dict[str, NDArray[Any]]]]:
+    """Return what `encoded` gave, and the channels of each plane, as `read_exr` does.
+
+    Examples
+    --------
+    >>> import octomarch as om, pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     path = str(pathlib.Path(folder, "ball.exr"))
+    ...     om.render(om.sphere(1.0), size=(32, 24), planes=("depth",)).save(path)
+    ...     document, planes = read_channels(path, read_layout(path))
+    >>> list(planes["depth"]), planes["depth"]["Z"].shape
+    (['Z'], (24, 32))
+    """
+    header, channels = _read(path, layout)
+    document = _document(path, header)
+    groups = _groups(path, layout, channels)
+    expected = document.get("crc32")
+    if verify and expected is not None:
+        _verify(path, groups, expected)
+    return document, groups
+
+
+def encoded(metadata: Mapping[str, Any], stats: Mapping[str, Any], checksums: Mapping[str, int]) -> str:
+    """Return what a file tells of its picture beside the pixels, and a CRC-32 of each plane.
+
+    Examples
+    --------
+    >>> json.loads(encoded({}, {"rays": 12}, {"depth": 0}))["stats"]
+    {'rays': 12}
+    """
+    document = {"version": _version(), "metadata": metadata, "stats": stats, "crc32": checksums}
+    return json.dumps(_plain(document), ensure_ascii=False, separators=(",", ":"))
+
+
+def read_document(path: str) -> dict[str, Any]:
+    """Return what is known of the image in a file, without its pixels: what `encoded` gave, ``metadata`` and ``stats``.
 
     Raises
     ------
@@ -140,7 +170,7 @@ def read_metadata(path: str) -> dict[str, Any]:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     path = pathlib.Path(folder, "ball.exr")
     ...     om.render(om.sphere(1.0), size=(32, 24)).save(path)
-    ...     read_metadata(str(path))["camera"]["fov"]
+    ...     read_document(str(path))["metadata"]["camera"]["fov"]
     35.0
     """
     import OpenEXR
@@ -151,8 +181,7 @@ def read_metadata(path: str) -> dict[str, Any]:
             header = dict(file.header())
     except (RuntimeError, ValueError, TypeError, MemoryError) as error:
         raise OSError(f"{path}: damaged EXR file: it cannot be decoded ({error})") from error
-    metadata: dict[str, Any] = _document(path, header).get("metadata", {})
-    return metadata
+    return {"metadata": {}, "stats": {}, **_document(path, header)}
 
 
 def _read(path: str, layout: Layout) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
@@ -174,15 +203,15 @@ def _read(path: str, layout: Layout) -> tuple[dict[str, Any], dict[str, NDArray[
 
 
 def _document(path: str, header: Mapping[str, Any]) -> dict[str, Any]:
-    text = header.get(_ATTRIBUTE, "{}")
+    text = header.get(ATTRIBUTE, "{}")
     try:
         document = json.loads(text)
     except (ValueError, TypeError, RecursionError) as error:
-        raise OSError(f"{path}: damaged EXR file: the attribute {_ATTRIBUTE!r} is no JSON ({error})") from error
+        raise OSError(f"{path}: damaged EXR file: the attribute {ATTRIBUTE!r} is no JSON ({error})") from error
     if not isinstance(document, dict) or not all(
         isinstance(document.get(key, {}), dict) for key in ("metadata", "stats", "crc32")
     ):
-        raise OSError(f"{path}: damaged EXR file: the attribute {_ATTRIBUTE!r} is not what octomarch writes")
+        raise OSError(f"{path}: damaged EXR file: the attribute {ATTRIBUTE!r} is not what octomarch writes")
     return document
 
 

@@ -228,9 +228,9 @@ def is_rendered(path: Path, mark: str) -> bool:
     try:
         if path.suffix.lower() == ".png":
             return png.read_text(os.fspath(path), png.DIGEST, whole=True) == mark
-        from octomarch.exr import read_metadata  # here, since it is not needed to render
+        from octomarch.exr import read_document  # here, since it is not needed to render
 
-        return read_metadata(os.fspath(path)).get("digest") == mark
+        return bool(read_document(os.fspath(path))["metadata"].get("digest") == mark)
     except OSError:
         return False
 

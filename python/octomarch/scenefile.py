@@ -241,9 +241,9 @@ def _indented(value: Any, margin: str) -> str:
 def _in_picture(path: str, kind: str) -> str:
     """Return the document that a picture holds."""
     if kind == "exr":
-        from octomarch.exr import read_metadata  # here, since it is not needed to render
+        from octomarch.exr import read_document  # here, since it is not needed to render
 
-        found = read_metadata(path).get("document")
+        found = read_document(path)["metadata"].get("document")
     else:
         from octomarch.png import read_text
 
