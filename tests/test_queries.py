@@ -183,7 +183,7 @@ def test_march_resolves_max_distance_from_the_bounds():
 @pytest.mark.parametrize(
     ("arguments", "error", "message"),
     [
-        ({"method": "magic"}, ValueError, "method must be one of 'auto', 'plain', .*'fixed', got 'magic'"),
+        ({"method": "magic"}, ValueError, "method must be one of 'auto', 'plain', .*'certified', got 'magic'"),
         ({"method": None}, ValueError, "method"),
         ({"max_steps": 0}, ValueError, "max_steps must lie in"),
         ({"max_steps": 2.0}, TypeError, "max_steps must be an integer, got 2.0"),
