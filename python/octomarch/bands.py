@@ -28,7 +28,7 @@ from octomarch.shading import Shading
 from octomarch.shapes import Shape
 from octomarch.shot import Shot
 
-_PIXELS = 2**19
+_PIXELS = 2**18
 """Of a band: few enough that Ctrl-C need not wait for one to be written, and enough to keep all cores busy."""
 
 
@@ -121,7 +121,13 @@ def render_file(
             folder.mkdir(exist_ok=True)
             rows = max(1, _PIXELS // (ROWS * window[2])) * ROWS
             frames = [
-                Frame(dataclasses.replace(shot, crop=band), folder / f"{band[1]:08d}.exr", threads=threads, isa=isa)
+                Frame(
+                    dataclasses.replace(shot, crop=band),
+                    folder / f"{band[1]:08d}.exr",
+                    threads=threads,
+                    isa=isa,
+                    mark=f"{mark} {band}",
+                )
                 for band in bands_of(window, rows)
             ]
             bands = [frame.path for frame in frames]

@@ -88,6 +88,8 @@ class Frame:
     """Whether the shot is of a shape alone, that is to be lit as `octomarch.render` lights one."""
     threads: int | None = None
     isa: str | None = None
+    mark: str = ""
+    """What the file is known by; none: the digest of the shot, which takes a while where the scene is large."""
 
     def lit(self) -> Shot:
         """Return the shot that is to be rendered."""
@@ -210,7 +212,7 @@ def render_frame(frame: Frame, progress: Callback | None = None) -> None:
     True
     """
     shot = frame.lit()
-    mark = digest(shot)
+    mark = frame.mark or digest(shot)
     if not is_rendered(frame.path, mark):
         image = shot.render(threads=frame.threads, isa=frame.isa, progress=progress)
         image.metadata["digest"] = mark
