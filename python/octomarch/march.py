@@ -112,7 +112,7 @@ class March:
     prune : bool
         Run long programs in parts where that promises to help: space is divided into cells, in each of which only what
         has a say there of the program is run [5]_. Results are the same, to the bit. Fixed steps never do so. Cells
-        are made as rays come to them, and stay with the shape, up to 512 MB.
+        are made as rays come to them, and stay with the shape, up to 512 MB or 2 KB an instruction.
 
     Raises
     ------

@@ -19,6 +19,7 @@
 #include "octomarch/program/program.hpp"
 #include "octomarch/program/prune.hpp"
 #include "octomarch/render/buffer.hpp"
+#include "octomarch/render/cell_groups.hpp"
 
 namespace octomarch {
 namespace {
@@ -557,6 +558,32 @@ TEST_CASE_TEMPLATE("an octree finds the same part in every thread's pruner", Rea
   }
   CHECK(octree.cells() > 2);
   CHECK(octree.bytes() > 0);
+}
+
+TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float, double) {
+  Random random(6);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
+  const auto program = compile(row_of_balls(2000, 0.25));
+  const Tape& tape = program->distance();
+  Octree<Real> roomy(tape, *program->focus(), 8000.0);
+  Octree<Real> full(tape, *program->focus(), 8000.0, 0);
+  Runner<Real> runner(tape);
+  const Region<Real> all{{0, -1, -1}, {4000, 1, 1}};
+  constexpr std::size_t kCount = 1000;
+  std::vector<std::array<Real, 3>> points(kCount);
+  for (auto& p : points)
+    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = number_in(all.lo[axis], all.hi[axis], random);
+  std::vector<std::size_t> lengths;
+  for (Octree<Real>* octree : {&roomy, &full}) {
+    CellGroups<Real> groups(*octree, runner);
+    groups.sort(kCount, 3.0, [&](std::size_t i) { return points[i]; });
+    std::size_t length = 0;
+    for (const CellGroup<Real>& group : groups.groups()) length += group.count * group.cell->part->code.size();
+    lengths.push_back(length);
+  }
+  CHECK(lengths[0] == lengths[1]);
+  CHECK(lengths[0] < kCount * tape.code.size() / 4);
+  CHECK(roomy.cells() > full.cells());
+  CHECK(full.is_full());
 }
 
 TEST_CASE_TEMPLATE("samples tell which of many balls are near, and of what else there is only where it has slopes",

@@ -18,8 +18,10 @@ constexpr double kStall = 0.8;
 constexpr unsigned kStalls = 3;
 /// That counts for cells smaller than this part of the focus: from far away all of it is alike.
 constexpr double kDetail = 1.0 / 16.0;
-/// Where it ends, cells that are there already serve.
+/// Where it ends, cells are made for the moment only.
 constexpr std::size_t kMostBytes = std::size_t{1} << 29;
+/// A long tape gets more: as much for each of its instructions, which holds the large cells from which small ones come.
+constexpr std::size_t kMostBytesOfInstruction = 2048;
 /// Tapes shorter than this are run whole.
 constexpr std::size_t kLong = 48;
 
@@ -69,7 +71,11 @@ std::size_t hash_of(const TapePart& part) {
 
 template <class Real>
 Octree<Real>::Octree(const Tape& tape, const Aabb& focus, double reach)
-    : tape_(tape), focus_size_(static_cast<Real>(longest_side(focus))) {
+    : Octree(tape, focus, reach, std::max(kMostBytes, tape.code.size() * kMostBytesOfInstruction)) {}
+
+template <class Real>
+Octree<Real>::Octree(const Tape& tape, const Aabb& focus, double reach, std::size_t most_bytes)
+    : tape_(tape), focus_size_(static_cast<Real>(longest_side(focus))), most_bytes_(most_bytes) {
   constexpr Real kFar = std::numeric_limits<Real>::infinity();
   auto whole = std::make_shared<const TapePart>(whole_of(tape));
   outside_.region = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
@@ -91,6 +97,11 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, double reach)
 }
 
 template <class Real>
+bool Octree<Real>::is_full() const {
+  return bytes() > most_bytes_;
+}
+
+template <class Real>
 typename Octree<Real>::Cell* Octree<Real>::child(Cell& parent, unsigned octant, Pruner<Real>& pruner) {
   Cell* const known = parent.children[octant].load(std::memory_order_acquire);
   return known != nullptr ? known : make_child(parent, octant, pruner);
@@ -99,21 +110,9 @@ typename Octree<Real>::Cell* Octree<Real>::child(Cell& parent, unsigned octant, 
 /// Makes a child, or takes the one that another thread has made meanwhile; none where memory has ended.
 template <class Real>
 typename Octree<Real>::Cell* Octree<Real>::make_child(Cell& parent, unsigned octant, Pruner<Real>& pruner) {
-  if (bytes() > kMostBytes) return nullptr;
-  auto cell = std::make_unique<Cell>();
-  cell->region = octant_of(parent.region, parent.middle, octant);
-  set_middle(cell->region, cell->middle);
-  std::optional<TapePart> part = pruner.prune(*parent.part, cell->region);
-  const std::size_t before = parent.part->code.size();
-  const std::size_t after = part ? part->code.size() : before;
-  // little less is no less: what costs memory must save work
-  if (part && after > kShared && static_cast<double>(after) > kStall * static_cast<double>(before)) part.reset();
-  const bool is_detail = cell->region.hi[0] - cell->region.lo[0] < focus_size_ * Real(kDetail);
-  const bool is_stalled = is_detail && static_cast<double>(after) > kStall * static_cast<double>(before);
-  cell->stalled = is_stalled ? parent.stalled + 1 : 0;
-  cell->is_leaf = after <= kShort || cell->stalled >= kStalls || is_small(cell->region);
-  if (part && cell->is_leaf) part->origins = {};
-  cell->part = part ? shared(std::move(*part)) : parent.part;
+  if (is_full()) return nullptr;
+  std::unique_ptr<Cell> cell = make_apart(parent, octant, pruner);
+  if (cell->part != parent.part) cell->part = shared(std::move(cell->part));
   Cell* expected = nullptr;
   if (!parent.children[octant].compare_exchange_strong(expected, cell.get(), std::memory_order_acq_rel))
     return expected;
@@ -122,24 +121,42 @@ typename Octree<Real>::Cell* Octree<Real>::make_child(Cell& parent, unsigned oct
   return cell.release();
 }
 
+template <class Real>
+std::unique_ptr<typename Octree<Real>::Cell> Octree<Real>::make_apart(const Cell& parent, unsigned octant,
+                                                                      Pruner<Real>& pruner) const {
+  auto cell = std::make_unique<Cell>();
+  cell->region = octant_of(parent.region, parent.middle, octant);
+  set_middle(cell->region, cell->middle);
+  std::optional<TapePart> part = pruner.prune(*parent.part, cell->region);
+  const std::size_t before = parent.part->code.size();
+  const std::size_t after = part ? part->code.size() : before;
+  const bool is_stalled = static_cast<double>(after) > kStall * static_cast<double>(before);
+  const bool is_detail = cell->region.hi[0] - cell->region.lo[0] < focus_size_ * Real(kDetail);
+  cell->stalled = is_detail && is_stalled ? parent.stalled + 1 : 0;
+  cell->is_leaf = after <= kShort || cell->stalled >= kStalls || is_small(cell->region);
+  // little less is no less: what costs memory must save work
+  if (part && after > kShared && is_stalled) part.reset();
+  if (part && cell->is_leaf) part->origins = {};
+  cell->part = part ? std::make_shared<const TapePart>(std::move(*part)) : parent.part;
+  return cell;
+}
+
 /// Equal short parts are one.
 template <class Real>
-std::shared_ptr<const TapePart> Octree<Real>::shared(TapePart part) {
-  part.code.shrink_to_fit();
-  part.origins.shrink_to_fit();
-  const std::size_t size = bytes_of(part);
-  if (part.code.size() > kShared) {
+std::shared_ptr<const TapePart> Octree<Real>::shared(std::shared_ptr<const TapePart> part) {
+  const std::size_t size = bytes_of(*part);
+  if (part->code.size() > kShared) {
     bytes_.fetch_add(size, std::memory_order_relaxed);
-    return std::make_shared<const TapePart>(std::move(part));
+    return part;
   }
-  const std::size_t hash = hash_of(part);
+  const std::size_t hash = hash_of(*part);
   const std::scoped_lock lock(parts_mutex_);
   const auto [first, last] = parts_.equal_range(hash);
   for (auto known = first; known != last; ++known) {
-    if (*known->second == part) return known->second;
+    if (*known->second == *part) return known->second;
   }
   bytes_.fetch_add(size, std::memory_order_relaxed);
-  return parts_.emplace(hash, std::make_shared<const TapePart>(std::move(part)))->second;
+  return parts_.emplace(hash, std::move(part))->second;
 }
 
 /// Too small to be halved?
@@ -181,7 +198,7 @@ std::shared_ptr<Octree<Real>> Octrees::get(const Tape& tape, const Aabb& focus, 
   if (!is_worth_it_) is_worth_it_ = is_worth_an_octree(tape, focus);
   if (!*is_worth_it_) return nullptr;
   auto& kept = std::get<std::shared_ptr<Octree<Real>>>(kept_);
-  if (!kept || kept->reach() < reach) kept = std::make_shared<Octree<Real>>(tape, focus, reach);
+  if (!kept || kept->reach() < reach || kept->is_full()) kept = std::make_shared<Octree<Real>>(tape, focus, reach);
   return kept;
 }
 

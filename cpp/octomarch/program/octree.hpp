@@ -42,6 +42,8 @@ class Octree {
 
   /// `focus`: where most of the shape is, in which it is subdivided until that no longer helps; `reach`: how far from its middle
   /// points will be. `tape` must outlive this.
+  /// `most_bytes`: memory at which no more cells are made.
+  Octree(const Tape& tape, const Aabb& focus, double reach, std::size_t most_bytes);
   Octree(const Tape& tape, const Aabb& focus, double reach);
   Octree(const Octree&) = delete;
 
@@ -56,19 +58,24 @@ class Octree {
   /// A child of a cell that is no leaf, made now if need be; null where memory has ended. Safe from any thread, `pruner` being
   /// the thread's own. O(part) where it is made, else O(1).
   Cell* child(Cell& parent, unsigned octant, Pruner<Real>& pruner);
+  /// A child that is the caller's own, and no part of the octree.
+  std::unique_ptr<Cell> make_apart(const Cell& parent, unsigned octant, Pruner<Real>& pruner) const;
 
+  /// Has memory ended?
+  bool is_full() const;
   std::size_t cells() const { return cells_.load(std::memory_order_relaxed); }
   /// Memory of cells and parts.
   std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
  private:
   Cell* make_child(Cell& parent, unsigned octant, Pruner<Real>& pruner);
-  std::shared_ptr<const TapePart> shared(TapePart part);
+  std::shared_ptr<const TapePart> shared(std::shared_ptr<const TapePart> part);
   bool is_small(const Region<Real>& region) const;
 
   const Tape& tape_;
   Real focus_size_;
   double reach_;
+  std::size_t most_bytes_;
   std::vector<Margin> margins_;
   std::atomic<std::size_t> cells_{0};
   std::atomic<std::size_t> bytes_{0};
@@ -85,7 +92,7 @@ bool is_worth_an_octree(const Tape& tape, const Aabb& focus);
 class Octrees {
  public:
   /// An octree about the focus that reaches at least so far from its middle; null where the tape is too short for one to be
-  /// worth its cost, or too little of it goes away in small cells. One that reached less is given up.
+  /// worth its cost, or too little of it goes away in small cells. One that reached less, or is full, is given up.
   template <class Real>
   std::shared_ptr<Octree<Real>> get(const Tape& tape, const Aabb& focus, double reach);
 

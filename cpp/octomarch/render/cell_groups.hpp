@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "octomarch/program/octree.hpp"
@@ -34,6 +35,7 @@ class CellGroups {
   void sort(std::size_t count, double evaluations, Point&& point) {
     evaluations_ = evaluations;
     groups_.clear();
+    passing_.clear();
     order_.clear();
     place_of_.clear();
     places_ = 0;
@@ -115,10 +117,15 @@ class CellGroups {
               scratch_.begin() + static_cast<std::ptrdiff_t>(end), order_.begin() + static_cast<std::ptrdiff_t>(begin));
     for (unsigned octant = 0; octant < 8; ++octant) {
       if (counts[octant] == 0) continue;
-      Cell* const child = octree_.child(*smallest, octant, pruner_);
-      if (child == nullptr) add_group(*smallest, bounds[octant], bounds[octant + 1]);
-      else split(*child, bounds[octant], bounds[octant + 1]);
+      split(child_of(*smallest, octant), bounds[octant], bounds[octant + 1]);
     }
+  }
+
+  /// A child, until the next sort only where the octree is full.
+  Cell& child_of(Cell& parent, unsigned octant) {
+    if (Cell* const child = octree_.child(parent, octant, pruner_)) return *child;
+    passing_.push_back(octree_.make_apart(parent, octant, pruner_));
+    return *passing_.back();
   }
 
   /// The smallest cell below that holds all of the elements.
@@ -136,9 +143,7 @@ class CellGroups {
     while (!result->is_leaf) {
       const unsigned octant = result->octant_of(lo[0], lo[1], lo[2]);
       if (octant != result->octant_of(hi[0], hi[1], hi[2])) break;
-      Cell* const child = octree_.child(*result, octant, pruner_);
-      if (child == nullptr) break;
-      result = child;
+      result = &child_of(*result, octant);
     }
     return result;
   }
@@ -158,6 +163,7 @@ class CellGroups {
   std::vector<std::uint32_t> scratch_;
   std::vector<std::uint8_t> octants_;
   std::vector<CellGroup<Real>> groups_;
+  std::vector<std::unique_ptr<Cell>> passing_;
   std::vector<std::uint32_t> place_of_;  ///< by the order
   std::size_t places_ = 0;
 };
