@@ -105,7 +105,7 @@ def _write_video(path: Path, frames: Iterator[NDArray[np.uint8]], fps: float, qu
     import imageio.v2
 
     # imageio counts from 1 to 10, and makes sizes whole multiples of a number by scaling, unless that is 1
-    options = {"fps": fps, "codec": "libx264", "quality": 1 + (quality - 1) / 11, "macro_block_size": 1}
+    options: dict[str, Any] = {"fps": fps, "codec": "libx264", "quality": 1 + (quality - 1) / 11, "macro_block_size": 1}
     # its own context manager lets a failed writer go on
     with contextlib.closing(imageio.v2.get_writer(path, format="FFMPEG", **options)) as writer:
         for frame in frames:
