@@ -63,11 +63,13 @@ WORK = {
     "a large scene": (LARGE, "om.render(shape, camera, (4000, 4000), progress=note)"),
     "occlusion of a large scene": (
         LARGE,
-        "om.render(shape, camera, (4000, 4000), progress=note, shading=om.Shading(occlusion=64))",
+        "om.render(shape, camera, (4000, 4000), progress=note, march=om.March(prune=False), "
+        "shading=om.Shading(occlusion=64))",
     ),
     "central normals of a large scene": (
         LARGE,
-        "om.render(shape, camera, (4000, 4000), planes='normal', progress=note, shading=om.Shading(normals='central'))",
+        "om.render(shape, camera, (4000, 4000), planes='normal', progress=note, march=om.March(prune=False), "
+        "shading=om.Shading(normals='central'))",
     ),
     "reflections": (MIRRORS, "om.render(shape, camera, (4000, 4000), progress=note, shading=om.Shading(bounces=64))"),
     "a picture to be saved": (SMALL, "om.render(shape, camera, (16000, 16000), progress=note).save('picture.exr')"),
