@@ -36,6 +36,7 @@ def interrupt():
     os.kill(os.getpid(), signal.SIGINT)
 
 camera = om.Camera((3, 2, 4), (0, 0, 0))
+whole, central = om.March(prune=False), om.Shading('central')
 centers = np.random.default_rng(0).uniform(-2, 2, (10_000, 3))
 {prepare}
 threading.Timer({worked}, interrupt).start()
@@ -63,13 +64,11 @@ WORK = {
     "a large scene": (LARGE, "om.render(shape, camera, (4000, 4000), progress=note)"),
     "occlusion of a large scene": (
         LARGE,
-        "om.render(shape, camera, (4000, 4000), progress=note, march=om.March(prune=False), "
-        "shading=om.Shading(occlusion=64))",
+        "om.render(shape, camera, (4000, 4000), progress=note, march=whole, shading=om.Shading(occlusion=64))",
     ),
     "central normals of a large scene": (
         LARGE,
-        "om.render(shape, camera, (4000, 4000), planes='normal', progress=note, march=om.March(prune=False), "
-        "shading=om.Shading(normals='central'))",
+        "om.render(shape, camera, (4000, 4000), planes='normal', march=whole, shading=central, progress=note)",
     ),
     "reflections": (MIRRORS, "om.render(shape, camera, (4000, 4000), progress=note, shading=om.Shading(bounces=64))"),
     "a picture to be saved": (SMALL, "om.render(shape, camera, (16000, 16000), progress=note).save('picture.exr')"),
