@@ -581,7 +581,7 @@ TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float
     lengths.push_back(length);
   }
   CHECK(lengths[0] == lengths[1]);
-  CHECK(lengths[0] < kCount * tape.code.size() * 3 / 4);
+  CHECK(lengths[0] < kCount * tape.code.size() / 4);
   CHECK(roomy.cells() > full.cells());
   CHECK(full.is_full());
 }

@@ -1,6 +1,7 @@
 #include "octomarch/program/octree.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <string_view>
 #include <utility>
@@ -24,6 +25,10 @@ constexpr std::size_t kMostBytes = std::size_t{1} << 29;
 constexpr std::size_t kMostBytesOfInstruction = 2048;
 /// Tapes shorter than this are run whole.
 constexpr std::size_t kLong = 48;
+
+/// A row of shapes in their order is cut only in cells as small as its gaps, so that the more there is to gain, the more levels
+/// may pass without gain.
+unsigned most_stalls(std::size_t length) { return kStalls + static_cast<unsigned>(std::bit_width(length / kShared)); }
 
 template <class Real>
 Region<Real> octant_of(const Region<Real>& region, const Real (&middle)[3], unsigned octant) {
@@ -133,7 +138,7 @@ std::unique_ptr<typename Octree<Real>::Cell> Octree<Real>::make_apart(const Cell
   const bool is_stalled = static_cast<double>(after) > kStall * static_cast<double>(before);
   const bool is_detail = cell->region.hi[0] - cell->region.lo[0] < focus_size_ * Real(kDetail);
   cell->stalled = is_detail && is_stalled ? parent.stalled + 1 : 0;
-  cell->is_leaf = after <= kShort || cell->stalled >= kStalls || is_small(cell->region);
+  cell->is_leaf = after <= kShort || cell->stalled >= most_stalls(after) || is_small(cell->region);
   // little less is no less: what costs memory must save work
   if (part && after > kShared && is_stalled) part.reset();
   if (part && cell->is_leaf) part->origins = {};

@@ -13,8 +13,8 @@
 
 namespace octomarch {
 
-/// An octree about all that is at most `reach` away from a point (counted from the program's anchor), where it is worth its cost; else null, as for fixed steps,
-/// which take solids without distances.
+/// An octree about all that is at most `reach` away from a point (counted from the program's anchor), where it is worth its
+/// cost; else null, as for fixed steps, which take solids without distances.
 template <class Real>
 std::shared_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach);
 
