@@ -569,13 +569,14 @@ TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float
   Runner<Real> runner(tape);
   const Region<Real> all{{0, -1, -1}, {4000, 1, 1}};
   constexpr std::size_t kCount = 1000;
+  const bool never = false;
   std::vector<std::array<Real, 3>> points(kCount);
   for (auto& p : points)
     for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = number_in(all.lo[axis], all.hi[axis], random);
   std::vector<std::size_t> lengths;
   for (Octree<Real>* octree : {&roomy, &full}) {
     CellGroups<Real> groups(*octree, runner);
-    groups.sort(kCount, 3.0, [&](std::size_t i) { return points[i]; });
+    groups.sort(kCount, 3.0, never, [&](std::size_t i) { return points[i]; });
     std::size_t length = 0;
     for (const CellGroup<Real>& group : groups.groups()) length += group.count * group.cell->part->code.size();
     lengths.push_back(length);

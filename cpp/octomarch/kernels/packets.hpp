@@ -25,9 +25,8 @@ struct BlockState {
   Real* t_max;
   Real* epsilon;
   // read or written at every step, where steps are relaxed
-  Real* stride;  ///< the last step
-  Real*
-      boldness;  ///< by how much of the field the next one goes beyond it, see steps.hpp; of shadow rays the visibility
+  Real* stride;    ///< the last step
+  Real* boldness;  ///< by how much of the field the next goes beyond it, see steps.hpp; of shadow rays the visibility
 };
 
 /// A block: its rays, and for each of its packets which rays they are and when they came.

@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "octomarch/base/parallel.hpp"
 #include "octomarch/program/octree.hpp"
 #include "octomarch/render/buffer.hpp"
 
@@ -30,9 +31,11 @@ class CellGroups {
       : octree_(octree), pruner_(octree.tape(), octree.margins(), sampler) {}
 
   /// Groups `count` elements; point(i) returns the coordinates of the i-th as an array of three. Those that are NaN are left
-  /// out. `evaluations`: of each element, as far as one can tell.
+  /// out. `evaluations`: of each element, as far as one can tell. Making cells can take
+  /// long: where that is cancelled groups are as large as they are by then.
   template <class Point>
-  void sort(std::size_t count, double evaluations, Point&& point) {
+  void sort(std::size_t count, double evaluations, const bool& cancelled, Point&& point) {
+    cancelled_ = &cancelled;
     evaluations_ = evaluations;
     groups_.clear();
     passing_.clear();
@@ -92,6 +95,7 @@ class CellGroups {
 
   /// Groups the elements of order_[begin, end), which lie in a cell.
   void split(Cell& cell, std::size_t begin, std::size_t end) {
+    if (is_set(*cancelled_)) return add_group(cell, begin, end);
     Cell* const smallest = descend(cell, begin, end);
     if (smallest->is_leaf) return add_group(*smallest, begin, end);
     std::array<std::size_t, 8> counts{};
@@ -140,7 +144,7 @@ class CellGroups {
       }
     }
     Cell* result = &cell;
-    while (!result->is_leaf) {
+    while (!result->is_leaf && !is_set(*cancelled_)) {
       const unsigned octant = result->octant_of(lo[0], lo[1], lo[2]);
       if (octant != result->octant_of(hi[0], hi[1], hi[2])) break;
       result = &child_of(*result, octant);
@@ -158,6 +162,7 @@ class CellGroups {
   Octree<Real>& octree_;
   Pruner<Real> pruner_;
   double evaluations_ = 1.0;
+  const bool* cancelled_ = nullptr;  ///< during a sort
   std::vector<std::array<Real, 3>> points_;
   std::vector<std::uint32_t> order_;  ///< elements, group after group
   std::vector<std::uint32_t> scratch_;

@@ -66,7 +66,8 @@ template <class Real>
 template <class Function>
 void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
                                  LoadedTape<Real>& tape, Function&& f) {
-  groups_->sort(count, 1.0, [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
+  groups_->sort(count, 1.0, cancelled,
+                [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   sorted_.reserve(groups_->places());
   groups_->for_each_place([&](std::size_t i, std::size_t place) {
     sorted_.points.x[place] = points.x[i];
@@ -159,7 +160,7 @@ void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters,
   }
   Sorted& s = sorted_;
   while (!active_.empty() && !is_set(*parameters.cancelled)) {
-    const Rays sorted_rays = sort_rays(rays, state);
+    const Rays sorted_rays = sort_rays(rays, state, *parameters.cancelled);
     for (const CellGroup<Real>& group : groups_->groups()) {
       const std::size_t first = group.first;
       std::int32_t* const steps = s.steps.data() + first;
@@ -183,8 +184,8 @@ void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters,
 
 /// Copies the active rays into the order of their groups.
 template <class Real>
-kernels::RayView<Real> Field<Real>::sort_rays(const Rays& rays, const State& state) {
-  groups_->sort(active_.size(), kStepsInCell, [&](std::size_t k) {  // points as kernels compute them
+kernels::RayView<Real> Field<Real>::sort_rays(const Rays& rays, const State& state, const bool& cancelled) {
+  groups_->sort(active_.size(), kStepsInCell, cancelled, [&](std::size_t k) {  // points as kernels compute them
     const std::size_t i = active_[k];
     const Real t = state.t[i];
     return std::array<Real, 3>{at(rays.ox, i) + t * at(rays.dx, i), at(rays.oy, i) + t * at(rays.dy, i),

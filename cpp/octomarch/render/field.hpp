@@ -63,7 +63,7 @@ class Field {
   void march_all(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
   template <class Run>
   void march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
-  Rays sort_rays(const Rays& rays, const State& state);
+  Rays sort_rays(const Rays& rays, const State& state, const bool& cancelled);
   void take_back(int max_steps, const State& state);
   /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_.points.
   template <class Function>

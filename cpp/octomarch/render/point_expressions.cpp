@@ -34,7 +34,7 @@ template <class Real>
 void PointExpressions<Real>::run_by_cells(const kernels::Vectors<const Real>& points,
                                           const kernels::Vectors<const Real>& normals, std::size_t count,
                                           const bool& cancelled) {
-  sort(points, normals, count);
+  sort(points, normals, count, cancelled);
   std::vector<Real*> outs(rows_.size());
   for (const CellGroup<Real>& group : groups_->groups()) {
     if (is_set(cancelled)) return;
@@ -53,8 +53,10 @@ void PointExpressions<Real>::run_by_cells(const kernels::Vectors<const Real>& po
 /// Puts points and normals into the order of their cells.
 template <class Real>
 void PointExpressions<Real>::sort(const kernels::Vectors<const Real>& points,
-                                  const kernels::Vectors<const Real>& normals, std::size_t count) {
-  groups_->sort(count, 1.0, [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
+                                  const kernels::Vectors<const Real>& normals, std::size_t count,
+                                  const bool& cancelled) {
+  groups_->sort(count, 1.0, cancelled,
+                [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   if (groups_->places() > points_.x.size()) {
     const std::size_t size = kernels::padded_lanes(groups_->places() * 3 / 2);
     points_ = VectorBuffer<Real>(size);

@@ -26,7 +26,8 @@ class PointExpressions {
  private:
   void run_by_cells(const kernels::Vectors<const Real>& points, const kernels::Vectors<const Real>& normals,
                     std::size_t count, const bool& cancelled);
-  void sort(const kernels::Vectors<const Real>& points, const kernels::Vectors<const Real>& normals, std::size_t count);
+  void sort(const kernels::Vectors<const Real>& points, const kernels::Vectors<const Real>& normals, std::size_t count,
+            const bool& cancelled);
 
   const kernels::KernelTable<Real>& kernels_;
   const Tape& code_;
