@@ -173,7 +173,7 @@ def render_frames(
     check.threads(threads)
     check.isa(isa)
     subjects, views = _paired(scenes, cameras)
-    paths = _paths(out, len(subjects))
+    paths = paths_of(out, len(subjects))
     frames = []
     for subject, view, path in zip(subjects, views, paths, strict=True):
         is_bare = isinstance(subject, Shape)
@@ -189,14 +189,32 @@ def render_frames(
             crop=crop,
         )
         frames.append(Frame(shot, path, is_bare, threads, isa))
-    if paths[0].suffix.lower() == ".png" and "color" not in frames[0].shot.planes:
-        raise ValueError(f"planes must have 'color' for frames in PNG, got {check.shown(frames[0].shot.planes)}")
-    with reporting(progress, "frames", " frames", len(frames)) as report:
-        failures = run(render_frame, frames, executor, tries, report)
-    remove_leftovers([path for place, path in enumerate(paths) if place not in failures])
-    if failures:
-        raise FramesError(failures, paths) from next(iter(failures.values()))
+    render_all(frames, executor, tries, progress)
     return paths
+
+
+def render_all(
+    frames: Sequence[Frame], executor: Executor | None, retries: int, progress: bool | Callback | None
+) -> None:
+    """Render frames into their files; see `render_frames`.
+
+    Examples
+    --------
+    >>> import octomarch as om, pathlib, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     frame = Frame(om.Shot(om.Scene(om.sphere(1.0)), size=(32, 24)), pathlib.Path(folder, "ball.png"))
+    ...     render_all([frame], None, 0, None)
+    ...     frame.path.exists()
+    True
+    """
+    for frame in frames:
+        if frame.path.suffix.lower() == ".png" and "color" not in frame.shot.planes:
+            raise ValueError(f"planes must have 'color' for frames in PNG, got {check.shown(frame.shot.planes)}")
+    with reporting(progress, "frames", " frames", len(frames)) as report:
+        failures = run(render_frame, frames, executor, retries, report)
+    remove_leftovers([frame.path for place, frame in enumerate(frames) if place not in failures])
+    if failures:
+        raise FramesError(failures, [frame.path for frame in frames]) from next(iter(failures.values()))
 
 
 def render_frame(frame: Frame, progress: Callback | None = None) -> None:
@@ -268,8 +286,14 @@ def _paired(scenes: object, cameras: object) -> tuple[list[Any], list[Any]]:
     return subjects, views
 
 
-def _paths(out: str | os.PathLike[str], count: int) -> list[Path]:
-    """Return where the frames go, whatever the folder of the process that writes them."""
+def paths_of(out: str | os.PathLike[str], count: int) -> list[Path]:
+    """Return where frames go, whatever the folder of the process that writes them.
+
+    Examples
+    --------
+    >>> [path.name for path in paths_of("frame_{:04d}.png", 2)]
+    ['frame_0000.png', 'frame_0001.png']
+    """
     if not isinstance(out, (str, os.PathLike)):
         raise TypeError(f"out must be a path, got {check.shown(out)}")
     pattern = os.fspath(out)

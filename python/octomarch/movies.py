@@ -64,16 +64,21 @@ def write_movie(path: str | os.PathLike[str], pictures: Frames, fps: float = 24.
     rate, grade = check.positive("fps", fps), check.integer("quality", quality, 1, 100)
     if isinstance(pictures, (str, os.PathLike, Image, np.ndarray)) or not isinstance(pictures, Iterable):
         raise TypeError(f"pictures must be several pictures, got {check.shown(pictures)}")
-    try:
-        import imageio  # noqa: F401 - here, since few need it
-    except ImportError as error:
-        raise ImportError("movies need imageio: pip install octomarch[movie]") from error
+    require_imageio()
     frames = _frames(pictures)
     with atomic(path) as temporary:
         if suffix == ".mp4":
             _write_video(temporary, frames, rate, grade)
         else:
             _write_animation(temporary, frames, rate, {} if suffix == ".gif" else _webp(grade))
+
+
+def require_imageio() -> None:
+    """Raise ImportError, saying how to get it, where imageio is not installed."""
+    try:
+        import imageio  # noqa: F401 - here, since few need it
+    except ImportError as error:
+        raise ImportError('movies need imageio: pip install "octomarch[movie]"') from error
 
 
 def _frames(pictures: Frames) -> Iterator[NDArray[np.uint8]]:
