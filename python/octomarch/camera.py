@@ -216,10 +216,21 @@ def framing(program: Program, size: tuple[int, int]) -> Camera:
     >>> framing(om.compile(om.sphere(1.0)), (640, 480)).target
     (0.0, 0.0, 0.0)
     """
-    if program.focus is None:
+    return framing_box(program.focus, size)
+
+
+def framing_box(box: tuple[Vec3, Vec3] | None, size: tuple[int, int]) -> Camera:
+    """Return the camera that sees a box from there; None: a unit cube about the origin.
+
+    Examples
+    --------
+    >>> framing_box(((-1, 0, -1), (1, 2, 1)), (640, 480)).target
+    (0.0, 1.0, 0.0)
+    """
+    if box is None:
         lo, hi = np.full(3, -0.5), np.full(3, 0.5)
     else:
-        lo, hi = (np.array(corner) for corner in program.focus)
+        lo, hi = (np.array(corner) for corner in box)
     centre = (lo + hi) / 2
     half = (hi - lo) / 2 if np.any(hi > lo) else np.full(3, 0.5)
     towards_eye = np.array(check.direction("direction", _FRAMING_DIRECTION))

@@ -169,7 +169,7 @@ def render_frames(
     ['turn_00.png', 'turn_01.png', 'turn_02.png']
     """
     executor = executor_or_none("executor", executor)
-    tries = check.integer("retries", retries, 0)
+    check.integer("retries", retries, 0)
     check.threads(threads)
     check.isa(isa)
     subjects, views = _paired(scenes, cameras)
@@ -189,7 +189,7 @@ def render_frames(
             crop=crop,
         )
         frames.append(Frame(shot, path, is_bare, threads, isa))
-    render_all(frames, executor, tries, progress)
+    render_all(frames, executor, retries, progress)
     return paths
 
 
@@ -207,11 +207,12 @@ def render_all(
     ...     frame.path.exists()
     True
     """
+    tries = check.integer("retries", retries, 0)
     for frame in frames:
         if frame.path.suffix.lower() == ".png" and "color" not in frame.shot.planes:
             raise ValueError(f"planes must have 'color' for frames in PNG, got {check.shown(frame.shot.planes)}")
     with reporting(progress, "frames", " frames", len(frames)) as report:
-        failures = run(render_frame, frames, executor, retries, report)
+        failures = run(render_frame, frames, executor, tries, report)
     remove_leftovers([frame.path for place, frame in enumerate(frames) if place not in failures])
     if failures:
         raise FramesError(failures, [frame.path for frame in frames]) from next(iter(failures.values()))

@@ -54,6 +54,8 @@ def whole_parser() -> Parser:
     commands = whole.add_subparsers(required=True, metavar="COMMAND", dest="command")
     for module in COMMANDS:
         module.add(commands)
+    for command in commands.choices.values():
+        command.add_argument("--traceback", action="store_true", help="show where in the code an error was raised")
     return whole
 
 

@@ -9,9 +9,11 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 import octomarch as om
 from octomarch import _validate as check
-from octomarch.camera import or_framing
+from octomarch.camera import framing_box
 from octomarch.cli import options as common
 from octomarch.cli.parser import Commands, command
 from octomarch.cli.subjects import Subject, find
@@ -96,22 +98,35 @@ def _requests(options: argparse.Namespace) -> list[dict[str, Any]]:
     count = check.integer("--frames", options.frames, 1)
     subject = find(options.scene, _NAMES)
     if subject.is_function and _takes_time(subject.value):
-        return [common.request(options, subject.called(frame / count)) for frame in range(count)]
-    subject = subject.called()
-    if isinstance(subject.value, (om.Shape, om.Scene, om.Shot)):
-        request = common.request(options, subject)
-        scene, size = request["scene"], check.size(request.get("size", (640, 480)))
-        first = or_framing(request.get("camera"), om.compile(scene), size)
-        return [
-            {**request, "camera": camera}
-            for camera in om.turntable(scene, count, camera=first, degrees=options.degrees)
-        ]
-    items = check.sequence(subject.place, subject.value, "a shape, a scene, a shot or several, or a function")
-    if not items:
+        frames = [subject.called(frame / count) for frame in range(count)]
+    else:
+        subject = subject.called()
+        if isinstance(subject.value, (om.Shape, om.Scene, om.Shot)):
+            return _turning(
+                common.with_options(_framed([subject.request()], options)[0], options), count, options.degrees
+            )
+        items = check.sequence(subject.place, subject.value, "a shape, a scene, a shot or several, or a function")
+        frames = [Subject(f"{subject.place}[{i}]", item, subject.script) for i, item in enumerate(items)]
+    if not frames:
         raise ValueError(f"{subject.place} must hold at least one frame, got none")
-    return [
-        common.request(options, Subject(f"{subject.place}[{i}]", item, subject.script)) for i, item in enumerate(items)
-    ]
+    return [common.with_options(request, options) for request in _framed([each.request() for each in frames], options)]
+
+
+def _turning(request: dict[str, Any], count: int, degrees: float) -> list[dict[str, Any]]:
+    cameras = om.turntable(request["scene"], count, camera=request["camera"], degrees=degrees)
+    return [{**request, "camera": camera} for camera in cameras]
+
+
+def _framed(requests: list[dict[str, Any]], options: argparse.Namespace) -> list[dict[str, Any]]:
+    """Give frames without a camera one that sees all of them, so that what grows does not seem to stand still."""
+    lacking = [request for request in requests if request.get("camera") is None]
+    if not lacking:
+        return requests
+    boxes = [box for request in lacking if (box := om.compile(request["scene"]).focus)]
+    whole = (tuple(np.min(boxes, axis=(0, 1)).tolist()), tuple(np.max(boxes, axis=(0, 1)).tolist())) if boxes else None
+    size = check.size(options.size or lacking[0].get("size", (640, 480)))
+    camera = framing_box(whole, size)
+    return [request if request.get("camera") is not None else {**request, "camera": camera} for request in requests]
 
 
 def _takes_time(function: Callable[..., Any]) -> bool:

@@ -132,6 +132,7 @@ def _serve(link: Connection) -> None:
             answer = None, error
         try:
             data = pickle.dumps(answer)
-        except Exception:
-            data = pickle.dumps((None, RuntimeError(f"{type(answer[1]).__name__}: {answer[1]}")))
+        except Exception as error:
+            told = answer[1] or error
+            data = pickle.dumps((None, RuntimeError(f"{type(told).__name__}: {told}")))
         link.send_bytes(data)

@@ -14,7 +14,7 @@ from octomarch._tasks import Executor
 from octomarch.cli.changes import assignment, changed
 from octomarch.cli.jobs import Jobs
 from octomarch.cli.parser import Parser
-from octomarch.cli.subjects import NAMES, Subject, find
+from octomarch.cli.subjects import NAMES, find
 from octomarch.demo import DEMOS
 from octomarch.planes import PLANES
 
@@ -88,12 +88,16 @@ def add_executor(parser: Parser, tasks: str) -> None:
     )
 
 
-def request(options: argparse.Namespace, subject: Subject | None = None) -> dict[str, Any]:
-    """Return what `octomarch.render` is to be called with for SCENE, or another subject, as the options change it."""
-    subject = find(options.scene) if subject is None else subject
+def request(options: argparse.Namespace) -> dict[str, Any]:
+    """Return what `octomarch.render` is to be called with for SCENE, as the options change it."""
+    return with_options(find(options.scene).request(), options)
+
+
+def with_options(found: Mapping[str, Any], options: argparse.Namespace) -> dict[str, Any]:
+    """Return what a scene's request becomes by the options."""
     given = {name: getattr(options, name, None) for name in ("size", "samples", "precision", "planes", "crop")}
     plain = {name: value for name, value in given.items() if value is not None}
-    return changed({**subject.request(), **plain}, options.changes)
+    return changed({**found, **plain}, options.changes)
 
 
 def execution(options: argparse.Namespace) -> dict[str, Any]:

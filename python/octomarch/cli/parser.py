@@ -9,7 +9,6 @@ import argparse
 import re
 import shlex
 import sys
-import textwrap
 from collections.abc import Callable, Sequence
 from enum import IntEnum
 from typing import Any, NoReturn, TypeAlias
@@ -115,11 +114,10 @@ def command(
     >>> whole.read(["wall"]).run is print
     True
     """
-    opening = f"{title[0].upper()}{title[1:]}. {textwrap.dedent(description).strip()}".strip()
+    opening = " ".join(f"{title[0].upper()}{title[1:]}. {description}".split())
     epilog = "\n".join(["examples:", *(f"  {example}" for example in examples)]) if examples else ""
     parser = commands.add_parser(name, help=title, description=opening, epilog=epilog)
     parser.examples = tuple(examples)
-    parser.add_argument("--traceback", action="store_true", help="show where in the code an error was raised")
     parser.set_defaults(run=run, parser=parser)
     return parser
 

@@ -48,6 +48,9 @@ def figure(study: Study) -> Any:
     costs = [name for name in _LABELS if np.isfinite(rows.column(name)).any()]
     drawn = Figure(figsize=(5.2 * len(costs) + 1.6, 4.2), layout="constrained")
     axes = drawn.subplots(1, len(costs), sharey=True, squeeze=False)[0]
+    if not _drawable(rows).any():
+        axes[0].set_title("no error is finite and above 0")
+        return drawn
     for place, cost in zip(axes, costs, strict=True):
         _scatter(place, rows, cost)
         _staircase(place, study.pareto(cost, "p95"), cost)
