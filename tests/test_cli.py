@@ -10,6 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 
 import octomarch as om
 from octomarch.cli import main
@@ -178,3 +179,19 @@ def test_module_runs_as_a_program(tmp_path: Path):
     command = [sys.executable, "-m", "octomarch", "--version"]
     done = subprocess.run(command, capture_output=True, text=True, check=True, cwd=tmp_path, env=os.environ)
     assert done.stdout == f"octomarch {om.__version__}\n"
+
+
+def test_mesh_of_a_scene_is_cut_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    out = tmp_path / "blend.ply"
+    arguments = ["mesh", "blend", "-o", str(out), "--resolution", "24"]
+    assert main(arguments) == 1
+    assert "bounds must be given, since the shape has no end along x, y, z, such as bounds=" in capsys.readouterr().err
+    assert main([*arguments, "--bounds=-2,-1.5,-2,2,1.5,2", "--threads", "1"]) == 0
+    mesh = trimesh.load_mesh(out)
+    assert mesh.is_watertight
+    assert re.search(rf"{len(mesh.vertices)} vertices, {len(mesh.faces)} triangles, \d+ ev", capsys.readouterr().out)
+    assert main(["mesh", "blend", "-o", str(tmp_path / "blend.xyz")]) == 1
+    assert "OUT must end in .stl or .ply or .obj or .glb" in capsys.readouterr().err
+    with pytest.raises(SystemExit):
+        main([*arguments, "--bounds=1,2,3"])
+    assert "bounds must look like -1,-1,-1,1,1,1, got '1,2,3'" in capsys.readouterr().err

@@ -160,6 +160,40 @@ class Field:
         """
         return self._evaluate(_core.gradient, points, precision, threads, isa)
 
+    def color(
+        self,
+        points: ArrayLike,
+        *,
+        precision: Precision = "float64",
+        threads: int | None = None,
+        isa: str | None = None,
+    ) -> Floats:
+        """Find the colour of what the shape is made of at points on its surface.
+
+        That of the paint that shows there, blended where shapes blend, without any light. Away from the surface it is
+        what the nearest operand is made of. Parameters and errors are those of `distance`.
+
+        Returns
+        -------
+        ndarray, shape (..., 3)
+            Linear RGB ≥ 0.
+
+        Examples
+        --------
+        >>> import octomarch as om
+        >>> red, blue = om.Material(color=(1, 0, 0)), om.Material(color=(0, 0, 1))
+        >>> pair = om.sphere(1.0).paint(red) | om.box(1.0).translate(3, 0, 0).paint(blue)
+        >>> pair.color([[0, 1, 0], [3, 0.5, 0]]).tolist()
+        [[1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]
+        """
+        where = check.points("points", points).reshape(-1, 3)
+        slopes = self.gradient(where, threads=threads, isa=isa)
+        length = np.linalg.norm(slopes, axis=-1, keepdims=True)
+        normals = np.divide(slopes, length, out=np.zeros_like(slopes), where=length > 0)
+        options = check.precision(precision), check.threads(threads), check.isa(isa)
+        found = _core.material(self._compiled()._native, where, normals, *options)
+        return found[:, :3].reshape(np.shape(points))
+
     def raycast(
         self,
         origins: ArrayLike,

@@ -8,7 +8,7 @@ Methods that place a shape are in `_placement`, those that change its form in `_
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any, ClassVar, Never
+from typing import TYPE_CHECKING, Any, ClassVar, Literal, Never
 
 from octomarch import _core
 from octomarch import _validate as check
@@ -16,6 +16,9 @@ from octomarch._deformation import Deformation
 from octomarch._placement import Placement
 from octomarch._validate import VectorLike
 from octomarch.materials import Material
+
+if TYPE_CHECKING:
+    import trimesh
 
 
 class Shape(Placement, Deformation):
@@ -124,6 +127,68 @@ class Shape(Placement, Deformation):
         if not isinstance(material, Material):
             raise TypeError(f"material must be an om.Material, got {check.shown(material)}")
         return Shape(_core.paint(self._node, material._native()))
+
+    # Ways out --------------------------------------------------------------------------------------------------------
+
+    def mesh(
+        self,
+        resolution: int = 128,
+        *,
+        bounds: tuple[VectorLike, VectorLike] | None = None,
+        colors: Literal["srgb", "linear"] | None = "srgb",
+        threads: int | None = None,
+    ) -> trimesh.Trimesh:
+        """Return the surface as triangles, for other programs: STL, PLY, OBJ, GLB.
+
+        Vertices lie on the surface, have the exact normals of the field and the colours of the materials. The mesh is
+        closed. It is made by marching cubes from values near the surface alone, so that work grows with the square of
+        `resolution`. Needs the extra ``mesh``: trimesh and libigl.
+
+        Parameters
+        ----------
+        resolution : int
+            Number of cells along the longest edge of the bounds, 2 to 4096. What is thinner than a cell may be lost,
+            and edges are cut off by less than a cell.
+        bounds : (lo, hi), optional
+            Two corners of a box that the shape is cut to. Needed where `Shape.bounds` is infinite.
+        colors : {"srgb", "linear"}, optional
+            How vertex colours are encoded: as most programs take PLY and OBJ files, or as GLB files want them. None:
+            there are none.
+        threads : int, optional
+            Threads at the most; None for all cores.
+
+        Returns
+        -------
+        trimesh.Trimesh
+            Its ``export`` writes files. ``metadata`` tells the ``spacing`` of the cells, and how many ``evaluations``
+            of the field were made.
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is of a wrong type or outside its range; if the shape has no end and no `bounds` are given,
+            or no surface is found.
+        ImportError
+            If the extra is not installed.
+
+        Notes
+        -----
+        Of an `octomarch.solid` there are no distances, so that every cell is looked at; its normals are those of the
+        triangles.
+
+        Examples
+        --------
+        >>> import octomarch as om, pathlib, tempfile
+        >>> part = om.box(2.0) - om.cylinder(0.6, 3.0)
+        >>> mesh = part.mesh(resolution=32)
+        >>> mesh.is_watertight, round(float(mesh.volume), 1), bool(abs(part.distance(mesh.vertices)).max() < 1e-5)
+        (True, 5.7, True)
+        >>> with tempfile.TemporaryDirectory() as folder:
+        ...     _ = mesh.export(pathlib.Path(folder, "part.stl"))
+        """
+        from octomarch.meshing import mesh  # here, since meshing builds on this module
+
+        return mesh(self, resolution, bounds, colors, threads)
 
 
 def combine(kind: str, shapes: Sequence[Shape], smooth: float) -> Shape:

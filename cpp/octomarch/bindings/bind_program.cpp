@@ -11,6 +11,7 @@
 #include "octomarch/base/build_info.hpp"
 #include "octomarch/bindings/arrays.hpp"
 #include "octomarch/bindings/register.hpp"
+#include "octomarch/graph/analysis.hpp"
 #include "octomarch/graph/schema.hpp"
 #include "octomarch/kernels/dispatch.hpp"
 #include "octomarch/program/program.hpp"
@@ -71,6 +72,29 @@ py::array gradient(const Program& program, const Rows& points, const std::string
     }
     return gradients;
   });
+}
+
+py::array material(const Program& program, const Rows& points, const Rows& normals, const std::string& precision,
+                   int threads, const std::string& isa) {
+  const std::span<const double> in = triples(points, "points");
+  const std::span<const double> facing = triples(normals, "normals");
+  require(in.size() == facing.size(), "normals", "as many as points", normals.shape(0));
+  const Execution how = execution(threads, isa);
+  return with_precision("precision", precision, [&]<class Real>(Real) -> py::array {
+    py::array_t<Real> slots({points.shape(0), py::ssize_t{Material::kSlots}});
+    const std::span<Real> out = contents(slots);
+    {
+      const py::gil_scoped_release release;
+      query_material(program, in.data(), facing.data(), in.size() / 3, out.data(), how);
+    }
+    return slots;
+  });
+}
+
+/// Is what a repeat copies its own mirror image across x, y and z? Else it is copied from neighbouring cells as well.
+std::tuple<bool, bool, bool> mirror_symmetry(const NodePtr& shape) {
+  const unsigned symmetry = analyse(*shape).at(shape.get()).symmetry;
+  return {(symmetry & kMirrorX) != 0, (symmetry & kMirrorX << 1U) != 0, (symmetry & kMirrorX << 2U) != 0};
 }
 
 /// Arrays for the planes that are named, all but t null otherwise.
@@ -156,6 +180,9 @@ void register_program(py::module_& module) {
              py::arg("isa"));
   module.def("gradient", &gradient, py::arg("program"), py::arg("points"), py::arg("precision"), py::arg("threads"),
              py::arg("isa"));
+  module.def("material", &material, py::arg("program"), py::arg("points"), py::arg("normals"), py::arg("precision"),
+             py::arg("threads"), py::arg("isa"));
+  module.def("mirror_symmetry", &mirror_symmetry, py::arg("shape").none(false));
   module.def("raycast", &raycast, py::arg("program"), py::arg("origins"), py::arg("directions"), py::arg("march"),
              py::arg("shading"), py::arg("t_max"), py::arg("precision"), py::arg("planes"), py::arg("threads"),
              py::arg("isa"));

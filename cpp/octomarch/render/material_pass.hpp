@@ -19,6 +19,9 @@ class MaterialPass {
   /// Finds the slots of every point of `surface`, whose normals are known; returns evaluations made. Where everything is
   /// of one material there are none.
   std::uint64_t run(const SurfacePass<Real>& surface, const bool& cancelled);
+  /// The same at `count` points with unit normals; `field` tells how far the program is looked at.
+  std::uint64_t run(const Field<Real>& field, const kernels::Vectors<const Real>& points,
+                    const kernels::Vectors<const Real>& normals, std::size_t count, const bool& cancelled);
 
   kernels::MaterialView<Real> view();
   const VectorBuffer<Real>& albedo() const { return albedo_; }

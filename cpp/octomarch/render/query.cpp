@@ -7,7 +7,7 @@
 #include <optional>
 #include <vector>
 
-#include "octomarch/render/surface_pass.hpp"
+#include "octomarch/render/material_pass.hpp"
 
 namespace octomarch {
 
@@ -92,6 +92,17 @@ struct PointScratch {
   Field<Real> field;
   VectorBuffer<Real> points;
   VectorBuffer<Real> out;
+};
+
+template <class Real>
+struct MaterialScratch {
+  MaterialScratch(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels,
+                  std::size_t size)
+      : field(program, octree, kernels, size), points(size), normals(size), material(program, kernels, size) {}
+
+  Field<Real> field;
+  VectorBuffer<Real> points, normals;
+  MaterialPass<Real> material;
 };
 
 template <class Real>
@@ -204,6 +215,29 @@ void query_gradient(const Program& program, const double* points, std::size_t co
 }
 
 template <class Real>
+void query_material(const Program& program, const double* points, const double* normals, std::size_t count, Real* out,
+                    const Execution& how) {
+  const auto octree = octree_for_points<Real>(program, points, count);
+  std::vector<std::optional<MaterialScratch<Real>>> scratch(thread_count(how.threads));
+  for_each_chunk(
+      program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+        auto& s =
+            scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), scratch_size(program, count));
+        split(points + 3 * first, n, program.site().anchor, s.points);
+        split(normals + 3 * first, n, {}, s.normals);
+        s.material.run(s.field, s.points.read(), s.normals.read(), n, cancelled);
+        const kernels::MaterialView<Real> found = s.material.view();
+        const Real* const rows[Material::kSlots] = {found.albedo.x, found.albedo.y, found.albedo.z,    found.roughness,
+                                                    found.specular, found.metallic, found.reflectivity};
+        for (std::size_t i = 0; i < n; ++i) {
+          for (std::size_t slot = 0; slot < Material::kSlots; ++slot) {
+            out[Material::kSlots * (first + i) + slot] = rows[slot][i];
+          }
+        }
+      });
+}
+
+template <class Real>
 void query_rays(const Program& program, const double* origins, const double* directions, std::size_t count,
                 const March& march, const Shading& shading, double t_max, const Hits<Real>& out, const Execution& how) {
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
@@ -234,6 +268,8 @@ template void query_distance(const Program&, const double*, std::size_t, float*,
 template void query_distance(const Program&, const double*, std::size_t, double*, const Execution&);
 template void query_gradient(const Program&, const double*, std::size_t, float*, const Execution&);
 template void query_gradient(const Program&, const double*, std::size_t, double*, const Execution&);
+template void query_material(const Program&, const double*, const double*, std::size_t, float*, const Execution&);
+template void query_material(const Program&, const double*, const double*, std::size_t, double*, const Execution&);
 template void query_rays(const Program&, const double*, const double*, std::size_t, const March&, const Shading&,
                          double, const Hits<float>&, const Execution&);
 template void query_rays(const Program&, const double*, const double*, std::size_t, const March&, const Shading&,

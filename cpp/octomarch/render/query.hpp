@@ -26,6 +26,12 @@ void query_distance(const Program& program, const double* points, std::size_t co
 template <class Real>
 void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how);
 
+/// What is at points whose unit normals are given (both x y z, x y z, …): the slots of Material, as shading clamps them
+/// (count × Material::kSlots).
+template <class Real>
+void query_material(const Program& program, const double* points, const double* normals, std::size_t count, Real* out,
+                    const Execution& how);
+
 /// Arrays to fill, `count` long (vectors: × 3); null for one that is not wanted. `t` is always filled.
 template <class Real>
 struct Hits {

@@ -1,0 +1,148 @@
+"""Time, memory and evaluations of meshes, against marching cubes over a dense grid.
+
+``python benchmarks/meshing.py`` prints a table and keeps it in benchmarks/results/meshing-<date>-<processor>.json. Each
+mesh is made in a process of its own, whose peak of resident memory above that before the mesh counts. *Dense* is what
+the same lattice takes when the field is evaluated at all of its points, by the same engine and in float64, and libigl's
+marching cubes runs over them; it ends there, its vertices are where straight lines put them. The peak of three runs,
+medians of their times, one thread.
+"""
+
+import argparse
+import json
+import multiprocessing
+import resource
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import machine
+import octomarch as om
+
+ROOT = Path(__file__).resolve().parents[1]
+sys.path.insert(0, str(ROOT / "examples" / "gallery"))
+from _building import building  # noqa: E402  (the solid of the pictures, from where it is)
+
+RESOLUTIONS = (64, 128, 256, 512)
+DENSEST = 256
+ROUNDS = 3
+
+
+def blend() -> om.Shape:
+    generator = np.random.default_rng(7)
+    return om.spheres(generator.uniform(-1, 1, (200, 3)), generator.uniform(0.08, 0.16, 200), smooth=0.05)
+
+
+SHAPES: dict[str, Callable[[], om.Shape]] = {
+    "ball": lambda: om.sphere(1.0),
+    "building": building,
+    "200 blended balls": blend,
+    "gyroid in a ball": lambda: om.gyroid(0.5, 0.05) & om.sphere(1.0),
+}
+
+
+def lattice(shape: om.Shape, resolution: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Return the points that a mesh of that resolution has values for at the most, and how many there are per axis."""
+    lo, hi = shape.bounds()
+    spacing = (hi - lo).max() / resolution
+    counts = np.ceil((hi - lo) / spacing - 1e-6).astype(np.int64) + 4
+    axes = [(lo + hi)[i] / 2 + spacing * (np.arange(counts[i]) - (counts[i] - 1) / 2) for i in range(3)]
+    z, y, x = np.meshgrid(axes[2], axes[1], axes[0], indexing="ij")
+    return np.stack([x, y, z], axis=-1).reshape(-1, 3), counts
+
+
+def near(shape: om.Shape, resolution: int) -> tuple[int, int]:
+    mesh = shape.mesh(resolution, colors=None, threads=1)
+    return len(mesh.faces), mesh.metadata["evaluations"]
+
+
+def dense(shape: om.Shape, resolution: int) -> tuple[int, int]:
+    import igl
+
+    points, counts = lattice(shape, resolution)
+    _, faces, _ = igl.marching_cubes(shape.distance(points, threads=1), points, *map(int, counts), 0.0)
+    return len(faces), len(points)
+
+
+def run(name: str, way: str, resolution: int, answers: Any) -> None:
+    """Make one mesh and send what it took; the first one of a ball only loads libraries."""
+    shape = SHAPES[name]()
+    make = {"near": near, "dense": dense}[way]
+    make(om.sphere(1.0), 8)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    wall, cpu = time.perf_counter(), time.process_time()
+    faces, evaluations = make(shape, resolution)
+    answers.put(
+        {
+            "seconds": time.perf_counter() - wall,
+            "cpu_seconds": time.process_time() - cpu,
+            "megabytes": (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024,
+            "triangles": faces,
+            "evaluations": evaluations,
+        }
+    )
+
+
+def measure(name: str, way: str, resolution: int) -> dict[str, Any]:
+    context = multiprocessing.get_context("spawn")
+    found = []
+    for _ in range(ROUNDS):
+        answers = context.Queue()
+        process = context.Process(target=run, args=(name, way, resolution, answers))
+        process.start()
+        found.append(answers.get())
+        process.join()
+    medians = {key: statistics.median(row[key] for row in found) for key in ("seconds", "cpu_seconds")}
+    peak = max(row["megabytes"] for row in found)
+    return {"shape": name, "way": way, "resolution": resolution, **found[0], **medians, "megabytes": peak}
+
+
+def table(rows: list[dict[str, Any]]) -> str:
+    lines = [
+        "| shape | resolution | triangles | evaluations | of a dense grid | processor time, s | dense | MB | dense |",
+        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
+    ]
+    grids = {(row["shape"], row["resolution"]): row for row in rows if row["way"] == "dense"}
+    for row in rows:
+        if row["way"] == "dense":
+            continue
+        grid = grids.get((row["shape"], row["resolution"]))
+        cells = [
+            row["shape"],
+            f"{row['resolution']}³",
+            f"{row['triangles']:,}",
+            f"{row['evaluations']:,}",
+            f"1/{grid['evaluations'] / row['evaluations']:.1f}" if grid else "–",
+            f"{row['cpu_seconds']:.2f}",
+            f"{grid['cpu_seconds']:.2f}" if grid else "–",
+            f"{row['megabytes']:.0f}",
+            f"{grid['megabytes']:.0f}" if grid else "–",
+        ]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--out", type=Path, metavar="FILE", help="default: a new file in benchmarks/results")
+    out = parser.parse_args().out
+    description = machine.describe(None)
+    machine.warn_when_busy(description)
+    rows = []
+    for name in SHAPES:
+        for resolution in RESOLUTIONS:
+            ways = ("near", "dense") if resolution <= DENSEST else ("near",)
+            rows += [measure(name, way, resolution) for way in ways]
+            print(f"{name}, {resolution}", file=sys.stderr)
+    path = out or machine.result_file(description, "meshing-")
+    path.write_text(json.dumps({"machine": description, "rows": rows}, indent=1) + "\n", encoding="utf-8")
+    print(f"{table(rows)}\n\n{path}")
+
+
+if __name__ == "__main__":
+    main()
