@@ -115,7 +115,7 @@ def render_file(
     shot = Frame(whole, path, isinstance(scene, Shape)).lit()
     mark = digest(shot)
     window = check.crop(shot.crop, shot.size)
-    with reporting(progress, "render", " rays", window[2] * window[3] * shot.samples) as report:
+    with reporting(progress, "render", " rays", window[2] * window[3] * shot.samples, "bands") as report:
         if not is_rendered(path, mark):
             folder = path.with_name(f".{path.name}.bands")
             folder.mkdir(exist_ok=True)

@@ -211,7 +211,9 @@ def render_all(
     for frame in frames:
         if frame.path.suffix.lower() == ".png" and "color" not in frame.shot.planes:
             raise ValueError(f"planes must have 'color' for frames in PNG, got {check.shown(frame.shot.planes)}")
-    with reporting(progress, "frames", " frames", len(frames)) as report:
+    windows = [check.crop(frame.shot.crop, frame.shot.size) for frame in frames]
+    rays = sum(window[2] * window[3] * frame.shot.samples for window, frame in zip(windows, frames, strict=True))
+    with reporting(progress, "render", " rays", rays, "frames") as report:
         failures = run(render_frame, frames, executor, tries, report)
     remove_leftovers([frame.path for place, frame in enumerate(frames) if place not in failures])
     if failures:

@@ -32,6 +32,7 @@ _METHODS = ("auto", "plain", "relaxed", "enhanced", "fixed", "certified")
 _STEPS = 256
 _CERTIFIED_STEPS = 1024
 _DOUBTS_OF_BRACKET = 16
+_ROWS = 2**13  # of origins, looked at together
 
 
 class Status(IntEnum):
@@ -347,8 +348,9 @@ class March:
             Of the settings, and of the truth.
         threads
             As for `octomarch.render`.
-        progress : bool or callable, optional
-            True shows a bar; a callable gets (families of candidates done, families in all).
+        progress : bool, callable or Progress, optional
+            True shows a bar. A callable gets (families of candidates done, families in all) from time to time, and what
+            it raises ends the search. A `Progress` can be cancelled.
 
         Returns
         -------
@@ -362,8 +364,8 @@ class March:
             the nearest came, or the camera sees no surface.
         SceneError
             If the shape cannot be compiled.
-        KeyboardInterrupt
-            Ctrl-C stops the search at once.
+        KeyboardInterrupt, CancelledError
+            Ctrl-C and `Progress.cancel` stop the search at once.
 
         Examples
         --------
@@ -423,19 +425,30 @@ def _steps_to_pass(distance: float, step: float) -> int:
 
 
 @np.errstate(over="ignore")  # what lies too far for a number is as far as numbers go
-def _reach(program: Program, origins: np.ndarray[tuple[int, int], np.dtype[np.float64]]) -> float:
+def _reach(program: Program, origins: NDArray[np.float64]) -> float:
     """Return how far rays from `origins`, and shadow rays from what they hit, may have to go.
 
     A thousandth is added so that rounding does not lose what lies at the very end.
     """
-    origins = origins[np.isfinite(origins).all(axis=1)]
     lo, hi = (np.array(corner) for corner in program.bounds)
     if np.isfinite(lo).all() and np.isfinite(hi).all():
-        farthest = np.linalg.norm(np.maximum(np.abs(origins - lo), np.abs(origins - hi)), axis=1).max(initial=0.0)
-        reach = 1.001 * max(float(farthest), float(np.linalg.norm(hi - lo)))
+        reach = 1.001 * max(_farthest(origins, lo, hi), float(np.linalg.norm(hi - lo)))
     else:
         centre = np.mean(program.focus or ((0.0, 0.0, 0.0),), axis=0)
-        away = np.linalg.norm(origins - centre, axis=1).max(initial=0.0)
         sizes = 10.0 if program.is_solid else 1000.0  # fixed steps take as long as the way is
-        reach = sizes * max(program.size, float(away))
+        reach = sizes * max(program.size, _farthest(origins, centre, centre))
     return min(max(reach, sys.float_info.min), sys.float_info.max)
+
+
+def _farthest(origins: NDArray[np.float64], lo: NDArray[np.float64], hi: NDArray[np.float64]) -> float:
+    """Return how far a corner of a box is from one of the origins at the most; those not finite are passed over.
+
+    In parts that stay in the cache, which takes a fifth of the time, and between which Ctrl-C is heard.
+    """
+    farthest = 0.0
+    for first in range(0, len(origins), _ROWS):
+        part = origins[first : first + _ROWS]
+        part = part[np.isfinite(part).all(axis=1)]
+        away = np.linalg.norm(np.maximum(np.abs(part - lo), np.abs(part - hi)), axis=1)
+        farthest = max(farthest, float(away.max(initial=0.0)))
+    return farthest

@@ -9,6 +9,7 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from contextvars import ContextVar
 from typing import TypeAlias
 
 from octomarch import _validate as check
@@ -16,6 +17,7 @@ from octomarch import _validate as check
 Callback: TypeAlias = Callable[[int, int], None]
 """Called with (done, all)."""
 
+_outer: ContextVar[Callable[[], None] | None] = ContextVar("outer", default=None)
 _LARGEST_PLAIN = 10_000  # of numbers that bars show as they are: above that 12.3k
 
 
@@ -118,14 +120,17 @@ class Progress:
 
 @contextmanager
 def reporting(
-    progress: bool | Callback | None, title: str, unit: str, size: int | None = None
+    progress: bool | Callback | None, title: str, unit: str, size: int | None = None, tasks: str = ""
 ) -> Iterator[Callback | None]:
     """Give what work is to call with (done, all) for a user's ``progress=``; None where nobody listens.
 
-    A bar counts in `unit`, of which there are `size` in all; None: as many as the work says.
+    A bar counts in `unit`, of which there are `size` in all; None: as many as the work says, which it may call `tasks`
+    beside the bar. Work that is part of other
+    work and is given no listener of its own asks that of the whole whether to go on.
     """
     if progress is None or progress is False:
-        yield None
+        outer = _outer.get()
+        yield None if outer is None else lambda *_: outer()
     elif progress is True:
         import tqdm.auto  # here, since most work shows no bar; this one is for terminals and notebooks
 
@@ -135,10 +140,48 @@ def reporting(
             def report(done: int, total: int) -> None:
                 if size is None:
                     bar.total = total
+                if tasks:
+                    bar.set_postfix_str(f"{done} of {total} {tasks}", refresh=False)
                 bar.update((done if size is None else done * size // total) - bar.n)
 
             yield report
     elif callable(progress):
-        yield progress
+        with _asked(progress) as telling:
+            yield telling
     else:
         raise TypeError(f"progress must be True, a callable or None, got {check.shown(progress)}")
+
+
+def ask() -> None:
+    """Ask the listener of the work that this is part of, if there is one: what it raises ends the work.
+
+    Examples
+    --------
+    >>> ask()
+    """
+    outer = _outer.get()
+    if outer is not None:
+        outer()
+
+
+@contextmanager
+def _asked(progress: Callback) -> Iterator[Callback]:
+    """Have parts of the work ask a listener by telling it again what it was told last."""
+    last = (0, 0)
+    is_told = False  # a listener may well render something itself
+
+    def report(done: int, total: int) -> None:
+        nonlocal last, is_told
+        last, is_told = (done, total), True
+        progress(done, total)
+        is_told = False
+
+    def again() -> None:
+        if last[1] and not is_told:
+            report(*last)
+
+    token = _outer.set(again)
+    try:
+        yield report
+    finally:
+        _outer.reset(token)

@@ -85,8 +85,9 @@ def study(
         that an interrupted study goes on: Ctrl-C leaves in it what is done.
     threads, isa
         As for `octomarch.render`.
-    progress : bool or callable, optional
-        True shows a bar; a callable gets (settings done, settings in all), the first time when the truth is known.
+    progress : bool, callable or Progress, optional
+        True shows a bar. A callable gets (settings done, settings in all) from time to time, and what it raises ends
+        the work. A `Progress` can be cancelled.
 
     Returns
     -------
@@ -101,8 +102,8 @@ def study(
         If the shape cannot be compiled.
     OSError
         If `resume` cannot be read or written.
-    KeyboardInterrupt
-        Ctrl-C stops a study at once.
+    KeyboardInterrupt, CancelledError
+        Ctrl-C and `Progress.cancel` stop a study at once.
 
     Examples
     --------
@@ -125,16 +126,18 @@ def study(
         check.isa(isa) or None,
     )
     kept = Kept(resume, _about(subject, plan.base, plan.far, kind))
-    true = find_truth(
-        plan.scene,
-        plan.camera,
-        plan.size,
-        plan.base.march.resolve(plan.program, plan.camera._ray_origins(plan.size)),
-        replace(plan.base.shading, normals="exact"),
-        kind=kind,
-        threads=subject.threads,
-    )
     with reporting(progress, "study", " settings") as report:
+        if report is not None:
+            report(0, len(plan.settings))
+        true = find_truth(
+            plan.scene,
+            plan.camera,
+            plan.size,
+            plan.base.march.resolve(plan.program, plan.camera._ray_origins(plan.size)),
+            replace(plan.base.shading, normals="exact"),
+            kind=kind,
+            threads=subject.threads,
+        )
         rows = _measure_all(subject, plan, true, kept, report)
     return Study(subject, true, rows)
 

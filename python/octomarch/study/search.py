@@ -55,17 +55,19 @@ def march_for_error(
     camera = or_framing(camera, program, whole)
     bare = scene if isinstance(scene, Scene) else Scene(scene)
     families = _solid_families(base, program.size) if program.is_solid else _families(base, program.size)
-    sample = sampled(bare, camera, whole, base, _WINDOWS[0], *options)
     with reporting(progress, "search", " settings") as report:
+        if report is not None:
+            report(0, len(families))
+        sample = sampled(bare, camera, whole, base, _WINDOWS[0], *options)
         trials = _tuned(sample.half(0), families, target, report)
-    for count in _WINDOWS:
-        if count > _WINDOWS[0] and sample.share < 1:
-            sample = sampled(bare, camera, whole, base, count, *options)
-        found, trials = _cheapest(sample, trials, target)
-        if found is not None:
-            return found
-        if sample.share >= 1 or not any(trial.meets(target, -1) for trial in trials):
-            break
+        for count in _WINDOWS:
+            if count > _WINDOWS[0] and sample.share < 1:
+                sample = sampled(bare, camera, whole, base, count, *options)
+            found, trials = _cheapest(sample, trials, target)
+            if found is not None:
+                return found
+            if sample.share >= 1 or not any(trial.meets(target, -1) for trial in trials):
+                break
     raise ValueError(_how_near(sample, trials, target))
 
 

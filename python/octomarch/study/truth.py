@@ -21,6 +21,7 @@ from octomarch.image import Image
 from octomarch.march import March, Status
 from octomarch.planes import PlaneName
 from octomarch.program import compile
+from octomarch.progress import ask
 from octomarch.queries import Floats
 from octomarch.render import render
 from octomarch.scene import Scene
@@ -30,6 +31,7 @@ TruthKind: TypeAlias = Literal["auto", "certified", "float64"]
 TRUTH_KINDS = ("auto", "certified", "float64")
 
 _PROOFS = 200_000  # rays times instructions that are proven with "auto": one or two seconds
+_PROOFS_AT_ONCE = 5_000  # rays times instructions between which listeners are asked
 _EPSILON = 1e-9  # of the scene's size
 _MAX_STEPS = 100_000
 _SOLID_STEPS = 10  # times as fine as those of the march, where fixed steps are all there is
@@ -129,6 +131,7 @@ def find_truth(
     proven = np.zeros(depth.shape, dtype=bool)
     disagreements = 0
     for first, count in lines:
+        ask()
         part = slice(first, first + count)
         known, depths = _proof(scene, camera, size, march, (window[0], window[1] + first, window[2], count), threads)
         disagreements += _disagreements(depth[part][known], depths[known], compile(scene).size)
@@ -162,7 +165,8 @@ def _lines(
     if kind == "float64":
         return []
     if kind == "certified" or affordable >= height:
-        return [(0, height)]
+        rows = max(1, _PROOFS_AT_ONCE // (width * max(instructions, 1)))
+        return [(first, min(rows, height - first)) for first in range(0, height, rows)]
     count = max(affordable, 1)
     return [(int((i + 0.5) * height / count), 1) for i in range(count)]
 
