@@ -259,9 +259,9 @@ def test_frames_that_have_not_begun_are_cancelled(tmp_path: Path):
     assert [future.cancelled() for future in Never.futures] == [True] * 5
 
 
-def test_a_bar_counts_frames(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_a_bar_counts_rays(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     om.render_frames(SCENE, CAMERAS[:3], SIZE, out=tmp_path / "{}.exr", progress=True)
-    assert "/3 [" in capsys.readouterr().err
+    assert "/3600 [" in capsys.readouterr().err
 
 
 # Arguments -----------------------------------------------------------------------------------------------------------

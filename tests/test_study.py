@@ -2,8 +2,10 @@
 
 import json
 import re
+from concurrent.futures import Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import fields
 from html.parser import HTMLParser
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -151,8 +153,10 @@ def test_an_interrupted_study_goes_on_where_it_was(tmp_path: Path, monkeypatch: 
         om.study(SOLID, **options, progress=Stop(after=4))
     assert len(json.loads(path.read_text())["rows"]) == 4
     calls = []
-    original = om.study.__globals__["measured"]
-    monkeypatch.setitem(om.study.__globals__, "measured", lambda *a: (calls.append(a[1].name), original(*a))[1])
+    original = om.study.__globals__["measure"]
+    monkeypatch.setitem(
+        om.study.__globals__, "measure", lambda work, _: (calls.append(work.setting.name), original(work))[1]
+    )
     resumed = om.study(SOLID, **options)
     assert len(calls) == len(resumed.table) - 4
     calls.clear()
@@ -340,19 +344,78 @@ def test_interrupted_command_says_how_to_go_on(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ):
     module, names = om.study.__globals__, []
-    original = module["measured"]
+    original = module["measure"]
 
-    def twice(*arguments: Any) -> Measures:
+    def twice(work: Any, _: Any) -> Measures:
         if len(names) == 2:
             raise KeyboardInterrupt
-        names.append(arguments[1].name)
-        return original(*arguments)
+        names.append(work.setting.name)
+        return original(work)
 
     om.Scene(SOLID).save(tmp_path / "a.json")
     command = ["study", str(tmp_path / "a.json"), "-o", str(tmp_path / "out.html"), "--size", "16x12", "--rounds", "0"]
-    monkeypatch.setitem(module, "measured", twice)
+    monkeypatch.setitem(module, "measure", twice)
     assert main([*command, "--groups", "epsilon"]) == 130
     assert f"{tmp_path / 'out.json'} has what is done; the same command goes on" in capsys.readouterr().err
-    monkeypatch.setitem(module, "measured", original)
+    monkeypatch.setitem(module, "measure", original)
     assert main([*command, "--groups", "epsilon"]) == 0
     assert (tmp_path / "out.html").exists()
+
+
+# Executors -----------------------------------------------------------------------------------------------------------
+
+COUNTS = {"size": (32, 24), "groups": ("series", "finish", "shadows"), "truth": "float64", "rounds": 0}
+
+
+class Unreliable:
+    """Runs each call at once, but fails the first time, and always where a setting is named so."""
+
+    def __init__(self, always: str = "") -> None:
+        self.always, self.seen = always, []
+
+    def submit(self, function, work, *rest):
+        future = Future()
+        if work.setting.name == self.always or work.setting.key not in self.seen:
+            self.seen.append(work.setting.key)
+            future.set_exception(OSError("the network is down"))
+        else:
+            future.set_result(function(work, *rest))
+        return future
+
+
+def test_executors_measure_the_same():
+    here = om.study(SOLID, **COUNTS)
+    with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
+        there = om.study(SOLID, **COUNTS, executor=pool)
+    assert [numbers(row) for row in there.table] == [numbers(row) for row in here.table]
+    assert [row.name for row in there.table] == [row.name for row in here.table]
+
+
+def test_settings_that_fail_are_tried_again_and_the_others_kept(tmp_path: Path):
+    here = om.study(SOLID, **COUNTS)
+    again = om.study(SOLID, **COUNTS, executor=Unreliable(), retries=1)
+    assert [numbers(row) for row in again.table] == [numbers(row) for row in here.table]
+    kept = tmp_path / "kept.json"
+    with pytest.raises(OSError, match="network") as caught:
+        om.study(SOLID, **COUNTS, executor=Unreliable("soft, k 8"), retries=1, resume=kept)
+    assert re.match(r"1 of \d+ settings failed, the first was soft, k 8", caught.value.__notes__[0])
+    rows = json.loads(kept.read_text())["rows"]
+    om.study(SOLID, **COUNTS, executor=Unreliable(), retries=1, resume=kept)
+    assert len(json.loads(kept.read_text())["rows"]) == len(rows) + 1
+
+
+def test_an_interrupted_study_keeps_what_executors_have_measured(tmp_path: Path):
+    def stop(done: int, _: int) -> None:
+        if done >= 12:
+            raise KeyboardInterrupt
+
+    kept = tmp_path / "kept.json"
+    with ThreadPoolExecutor(1) as pool, pytest.raises(KeyboardInterrupt):
+        om.study(SOLID, **COUNTS, executor=pool, progress=stop, resume=kept)
+    assert len(json.loads(kept.read_text())["rows"]) >= 4
+
+
+@pytest.mark.parametrize("options", [{"executor": 4}, {"executor": Unreliable}, {"retries": -1}, {"retries": 1.5}])
+def test_wrong_executors_are_refused(options: dict[str, Any]):
+    with pytest.raises((TypeError, ValueError), match=next(iter(options))):
+        om.study(SOLID, **COUNTS, **options)

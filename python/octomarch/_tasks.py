@@ -36,13 +36,21 @@ class Executor(Protocol):
         """Have a call done, some time."""
 
 
-Task = Callable[[Item, Callback | None], None]
+Task = Callable[[Item, Callback | None], Any]
+Keep = Callable[[int, Any], None]
 
 
 def run(
-    task: Task[Item], items: Sequence[Item], executor: Executor | None, retries: int, report: Callback | None
+    task: Task[Item],
+    items: Sequence[Item],
+    executor: Executor | None,
+    retries: int,
+    report: Callback | None,
+    keep: Keep = lambda *_: None,
 ) -> dict[int, Exception]:
     """Call ``task(item, callback)`` for each item, up to ``1 + retries`` times; return the last error of those failed.
+
+    Results go to ``keep(place, result)``, here, as soon as they are known; what that raises ends all.
 
     With an executor the calls get no callback, and `report` is called from here, every 20 ms, with (tasks done, tasks).
     Without one it is what the calls get, and may be called as often as they call it. What `report` raises, and
@@ -57,8 +65,8 @@ def run(
     {1: ValueError('nothing to do')}
     """
     if executor is None:
-        return _run_here(task, items, retries, report)
-    return _run_there(task, items, executor, retries, report)
+        return _run_here(task, items, retries, report, keep)
+    return _run_there(task, items, executor, retries, report, keep)
 
 
 def executor_or_none(name: str, value: object) -> Executor | None:
@@ -76,7 +84,9 @@ def executor_or_none(name: str, value: object) -> Executor | None:
     return cast("Executor | None", value)
 
 
-def _run_here(task: Task[Item], items: Sequence[Item], retries: int, report: Callback | None) -> dict[int, Exception]:
+def _run_here(
+    task: Task[Item], items: Sequence[Item], retries: int, report: Callback | None, keep: Keep
+) -> dict[int, Exception]:
     failures: dict[int, Exception] = {}
     stopped: list[BaseException] = []  # by what the listener raised
 
@@ -93,20 +103,22 @@ def _run_here(task: Task[Item], items: Sequence[Item], retries: int, report: Cal
         for left in reversed(range(1 + retries)):
             try:
                 listen()
-                task(item, listen)
-                break
+                result = task(item, listen)
             except Exception as error:
                 if stopped:
                     raise
                 if left == 0:
                     failures[place] = error
+            else:
+                keep(place, result)
+                break
     place = len(items)
     listen()
     return failures
 
 
 def _run_there(
-    task: Task[Item], items: Sequence[Item], executor: Executor, retries: int, report: Callback | None
+    task: Task[Item], items: Sequence[Item], executor: Executor, retries: int, report: Callback | None, keep: Keep
 ) -> dict[int, Exception]:
     options = {"pure": False} if _is_dask(executor) else {}  # else a task that is tried again is the one that failed
     failures: dict[int, Exception] = {}
@@ -127,12 +139,14 @@ def _run_there(
             ended = [place for place, future in running.items() if future.done()]
             for place in ended:
                 try:
-                    running.pop(place).result()
-                    failures.pop(place, None)
+                    result = running.pop(place).result()
                 except Exception as error:
                     failures[place] = error
                     if attempts[place] <= retries:
                         waiting.append(place)
+                else:
+                    failures.pop(place, None)
+                    keep(place, result)
             if not ended:
                 time.sleep(_POLL)
     finally:

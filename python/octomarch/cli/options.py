@@ -79,9 +79,9 @@ def add_execution(parser: Parser) -> None:
 def add_executor(parser: Parser, tasks: str) -> None:
     """Add what says where tasks are done."""
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--jobs", type=_count, metavar="N", help=f"render {tasks} in N processes")
+    where.add_argument("--jobs", type=_count, metavar="N", help=f"spread {tasks} over N processes")
     where.add_argument(
-        "--cluster", metavar="ADDRESS", help=f"render {tasks} on a Dask cluster, such as tcp://host:8786"
+        "--cluster", metavar="ADDRESS", help=f"spread {tasks} over a Dask cluster, such as tcp://host:8786"
     )
     parser.add_argument(
         "--retries", type=int, default=3, metavar="N", help="how often a failed task is tried again (default: 3)"

@@ -32,6 +32,7 @@ def add(commands: Commands) -> None:
         examples=[
             "octomarch study blend -o study.html --size 32x24 --groups series,finish --rounds 0",
             "octomarch study shot.json -o shadows.html --size 32x24 --groups shadows --set march.method=plain",
+            "octomarch study building -o building.html --size 32x24 --groups method --rounds 0 --jobs 2",
             "octomarch study shot.json --p95 1e-2 --size 64x48",
         ],
     )
@@ -70,6 +71,7 @@ def add(commands: Commands) -> None:
     search.add_argument(
         "--false-hits", type=float, default=1.0, metavar="SHARE", help="of rays that may hit nothing (default: 1)"
     )
+    common.add_executor(parser, "settings")
     common.add_execution(parser)
 
 
@@ -87,7 +89,9 @@ def _measure(request: dict[str, Any], options: argparse.Namespace) -> None:
     settings = {name: request[name] for name in names if name in request}
     given = {name: getattr(options, name) for name in ("groups", "truth", "far", "rounds")}
     try:
-        found = om.study(**settings, **given, resume=kept, **common.execution(options))
+        with common.executor(options) as executor:
+            given |= {"executor": executor, "retries": options.retries, **common.execution(options)}
+            found = om.study(**settings, **given, resume=kept)
     except KeyboardInterrupt:
         if kept.exists():
             print(f"octomarch: {kept} has what is done; the same command goes on", file=sys.stderr)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from octomarch import _validate as check
+from octomarch._tasks import Executor, executor_or_none, run
 from octomarch._validate import Precision
 from octomarch.camera import AnyCamera, or_framing
 from octomarch.march import March
@@ -22,7 +23,7 @@ from octomarch.scene import Scene
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
 from octomarch.study.kept import Kept, fingerprint
-from octomarch.study.measure import Subject, measured
+from octomarch.study.measure import Measurement, Subject, measure
 from octomarch.study.result import Study
 from octomarch.study.rows import Measures, StudyRow, StudyTable
 from octomarch.study.sample import Measured
@@ -45,6 +46,8 @@ def study(
     truth: TruthKind = "auto",
     rounds: int = 3,
     resume: str | os.PathLike[str] | None = None,
+    executor: Executor | None = None,
+    retries: int = 3,
     threads: int | None = None,
     isa: str | None = None,
     progress: bool | Callback | None = None,
@@ -83,6 +86,12 @@ def study(
     resume : path-like, optional
         File that keeps what has been measured, after each setting. If it is there, only what it lacks is measured, so
         that an interrupted study goes on: Ctrl-C leaves in it what is done.
+    executor : object with a method submit, optional
+        What measures the settings, each as one task, as for `render_frames`. It need not see the same files. Times are
+        of processor time where a task runs, so an executor of threads needs ``rounds=0``, and workers that share a
+        machine disturb each other. None: one setting after the other, here.
+    retries : int
+        How often a setting that fails with an executor is tried again, ≥ 0.
     threads, isa
         As for `octomarch.render`.
     progress : bool, callable or Progress, optional
@@ -117,6 +126,7 @@ def study(
     """
     plan = _plan(scene, camera, size, march, shading, precision, far, groups)
     kind: TruthKind = check.choice("truth", truth, TRUTH_KINDS)
+    executor, tries = executor_or_none("executor", executor), check.integer("retries", retries, 0)
     subject = Subject(
         plan.scene,
         plan.camera,
@@ -138,7 +148,7 @@ def study(
             kind=kind,
             threads=subject.threads,
         )
-        rows = _measure_all(subject, plan, true, kept, report)
+        rows = _measure_all(subject, plan, true, kept, executor, tries, report)
     return Study(subject, true, rows)
 
 
@@ -204,18 +214,32 @@ def _about(subject: Subject, base: Setting, far: float, truth: TruthKind) -> dic
 
 
 def _measure_all(
-    subject: Subject, plan: _Plan, truth: Truth, kept: Kept, report: Callback | None
+    subject: Subject,
+    plan: _Plan,
+    truth: Truth,
+    kept: Kept,
+    executor: Executor | None,
+    retries: int,
+    report: Callback | None,
 ) -> list[tuple[Setting, Measures]]:
     """Measure every setting that is not kept yet."""
-    found = []
-    for done, setting in enumerate(plan.settings):
+    lacking = list({setting.key: setting for setting in plan.settings if kept.get(setting) is None}.values())
+    answer = truth.answer()
+
+    def telling(done: int, of: int) -> None:
         if report is not None:
-            report(done, len(plan.settings))
-        measures = kept.get(setting)
-        if measures is None:
-            measures = measured(subject, setting, plan.base, truth, plan.reach)
-            kept.add(setting, measures)
-        found.append((setting, measures))
-    if report is not None:
-        report(len(plan.settings), len(plan.settings))
-    return found
+            report(len(plan.settings) - of + done, len(plan.settings))
+
+    failures = run(
+        measure,
+        [Measurement(subject, setting, plan.base, answer, plan.reach) for setting in lacking],
+        executor,
+        0 if executor is None else retries,  # here it would fail again
+        telling,
+        lambda place, measures: kept.add(lacking[place], measures),
+    )
+    for place, error in failures.items():
+        error.add_note(f"{len(failures)} of {len(lacking)} settings failed, the first was {lacking[place].name}")
+        raise error
+    found = [(setting, kept.get(setting)) for setting in plan.settings]
+    return [(setting, measures) for setting, measures in found if measures is not None]

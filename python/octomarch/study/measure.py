@@ -17,13 +17,14 @@ from octomarch.camera import AnyCamera
 from octomarch.empty import expected
 from octomarch.image import Image
 from octomarch.planes import PlaneName
+from octomarch.progress import Callback
 from octomarch.render import render
 from octomarch.scene import Scene
 from octomarch.study import flip
 from octomarch.study.errors import depth_errors, normal_angles, percentiles, status_counts
 from octomarch.study.rows import Measures
 from octomarch.study.settings import Setting
-from octomarch.study.truth import Truth
+from octomarch.study.truth import Answer
 
 _PLANES: tuple[PlaneName, ...] = ("color", "depth", "normal", "status")
 _SHADING = ("gradient", "shadow", "reflection", "occlusion")
@@ -56,15 +57,25 @@ class Subject:
             )
 
 
-def measured(subject: Subject, setting: Setting, base: Setting, truth: Truth, reach: float) -> Measures:
-    """Return what a setting costs, in time beside the base, and how far its picture is from the truth.
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """All that is needed to measure one setting, on whatever machine."""
 
-    `reach` is how far rays go where the setting does not say.
-    """
+    subject: Subject
+    setting: Setting
+    base: Setting
+    truth: Answer
+    reach: float
+    """How far rays go where the setting does not say."""
+
+
+def measure(work: Measurement, progress: Callback | None = None) -> Measures:  # noqa: ARG001  pictures ask by themselves
+    """Return what a setting costs, in time beside the base, and how far its picture is from the truth."""
+    subject, setting, base, truth = work.subject, work.setting, work.base, work.truth
     image = subject.picture(setting)
     rays = image.stats["rays"]
     normal_p50, normal_p95, _ = percentiles(normal_angles(image.normal, truth.normal))
-    limit = reach if setting.march.max_distance is None else setting.march.max_distance
+    limit = work.reach if setting.march.max_distance is None else setting.march.max_distance
     depth_times = paired_times(subject, setting, base, ("depth",))
     picture_times = paired_times(subject, setting, base, ("color",))
     return Measures(
@@ -74,7 +85,7 @@ def measured(subject: Subject, setting: Setting, base: Setting, truth: Truth, re
         normal_p50=normal_p50,
         normal_p95=normal_p95,
         **status_counts(image.status),
-        flip=_flip(truth.image.to_srgb(), image.to_srgb()),
+        flip=_flip(truth.levels, image.to_srgb()),
         depth_ms=depth_times[0],
         depth_ratio=depth_times[1],
         picture_ms=picture_times[0],

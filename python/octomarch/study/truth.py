@@ -39,6 +39,16 @@ _AGREEMENT = 1e-6  # of the scene's size
 
 
 @dataclass(frozen=True, eq=False)
+class Answer:
+    """What pictures are held against, and no more, since it may have to travel."""
+
+    depth: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    levels: NDArray[np.uint8]
+    """The colours as sRGB."""
+
+
+@dataclass(frozen=True, eq=False)
 class Truth:
     """What is seen at each pixel, in float64."""
 
@@ -55,6 +65,10 @@ class Truth:
 
     def __str__(self) -> str:
         return told([self])
+
+    def answer(self) -> Answer:
+        """Return what pictures are held against."""
+        return Answer(self.depth, self.normal, self.image.to_srgb())
 
 
 def told(truths: Sequence[Truth]) -> str:
