@@ -71,7 +71,7 @@ def test_translate_takes_numbers_or_a_vector():
     moved = BALL.translate(1, 2, 3)
     assert moved == BALL.translate((1, 2, 3)) == BALL.translate(np.array([1, 2, 3])) == BALL.translate(x=1, y=2, z=3)
     assert BALL.translate(np.float32(1)) == BALL.translate(1)
-    with pytest.raises(TypeError, match=r"offset must be one vector or three numbers, got \(\(1, 2, 3\), 4, 0.0\)"):
+    with pytest.raises(TypeError, match=r"x must be .* or a vector alone, got \(\(1, 2, 3\), 4, 0.0\)"):
         BALL.translate((1, 2, 3), 4)
     assert om.sphere(1.0, center=(1, 2, 3)) == moved
 

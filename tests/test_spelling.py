@@ -86,7 +86,7 @@ def test_functions_stay_what_they_are():
         ),
         (lambda: om.sphere(1.0).distance(np.zeros((3, 7))), r"its transpose, points\.T, would do"),
         (lambda: om.sphere(1.0).distance(np.zeros((2, 4))), r"got shape \(2, 4\)$"),
-        (lambda: om.sphere(1.0).distance(3.0), r"points must have shape \(\.\.\., 3\), got shape \(\)"),
+        (lambda: om.sphere(1.0).distance(3.0), r"points must have shape \(\.\.\., 3\), got 3\.0"),
         (lambda: om.sphere(1.0).raycast(np.zeros((4, 3)), np.zeros((5, 3))), r"\(4, 3\).*\(5, 3\)"),
         (
             lambda: om.spheres(np.zeros((3, 9)), 1.0),

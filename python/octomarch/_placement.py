@@ -49,9 +49,11 @@ class Placement(Field):
         if check.is_number(x):
             offset = (check.number("x", x), check.number("y", y), check.number("z", z))
         elif check.is_number(y) and check.is_number(z) and y == z == 0:
-            offset = check.vector("offset", x)
+            offset = check.vector("x", x)
         else:
-            raise TypeError(f"offset must be one vector or three numbers, got {check.shown((x, y, z))}")
+            raise TypeError(f"x must be a number beside y and z, or a vector alone, got {check.shown((x, y, z))}")
+        if not all(map(math.isfinite, offset)):
+            raise ValueError(f"x, y and z must be finite, got {check.shown(offset)}")
         return self._made(_core.translate(self._node, offset))
 
     def rotate(self, degrees: float, axis: AxisLike = "y") -> Self:
@@ -260,6 +262,6 @@ class Placement(Field):
 def _periods(period: Any) -> list[float]:
     """Return three periods, 0 for an axis that is not repeated."""
     given = [period] * 3 if not np.iterable(period) else check.sequence("period", period, "three numbers")
-    if len(given) != 3:
-        raise ValueError(f"period must be one number or three, got {check.shown(period)}")
+    if len(given) != 3 or all(p is None for p in given):
+        raise ValueError(f"period must be one number, or three of which some may be None, got {check.shown(period)}")
     return [0.0 if p is None else check.non_negative("period", p) for p in given]

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 import numbers
+import os
 from collections.abc import Iterable, Sequence
 from typing import Any, Literal, TypeAlias, TypeVar
 
@@ -204,6 +205,14 @@ def choice(name: str, value: object, options: Sequence[str | None]) -> Any:
     return value
 
 
+def path(name: str, value: object) -> str:
+    """Return the text of a path."""
+    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    if not isinstance(text, str):
+        raise TypeError(f"{name} must be a path, got {shown(value)}")
+    return text
+
+
 def planes(value: object, options: Sequence[Name]) -> list[Name]:
     """Return the distinct names of `planes`, in the order of `options`; a single string is one name."""
     names = [value] if isinstance(value, str) else sequence("planes", value, "names of planes")
@@ -218,7 +227,7 @@ def points(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Return real numbers of shape (..., 3) as a contiguous float64 array; NaN and infinities pass."""
     array = _real_numbers(name, value, "(..., 3)")
     if array.ndim == 0 or array.shape[-1] != 3:
-        raise ValueError(f"{name} must have shape (..., 3), got shape {array.shape}{_turned(name, array)}")
+        raise ValueError(f"{name} must have shape (..., 3), got {_shape(array)}{_turned(name, array)}")
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
@@ -226,7 +235,7 @@ def rows(name: str, value: ArrayLike) -> NDArray[np.float64]:
     """Return real numbers of shape (n, 3), n ≥ 1, as a contiguous float64 array; NaN and infinities pass."""
     array = _real_numbers(name, value, "(n, 3)")
     if array.ndim != 2 or array.shape[1] != 3 or not len(array):
-        raise ValueError(f"{name} must have shape (n, 3) with n ≥ 1, got shape {array.shape}{_turned(name, array)}")
+        raise ValueError(f"{name} must have shape (n, 3) with n ≥ 1, got {_shape(array)}{_turned(name, array)}")
     return np.ascontiguousarray(array, dtype=np.float64)
 
 
@@ -244,11 +253,21 @@ def spread(name: str, value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.fl
         raise ValueError(f"{name} must broadcast to shape {shape}, got shape {array.shape}") from None
 
 
+def broadcastable(name: str, value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Return real numbers that broadcast against `shape`; NaN and infinities pass."""
+    array = _real_numbers(name, value, str(shape))
+    try:
+        np.broadcast_shapes(array.shape, shape)
+    except ValueError:
+        raise ValueError(f"{name} must broadcast against shape {shape}, got shape {array.shape}") from None
+    return array.astype(np.float64)
+
+
 def matrices(name: str, value: ArrayLike) -> tuple[NDArray[np.float64], float]:
     """Return n ≥ 1 affine matrices as a contiguous float64 array (n, 3, 4), and how far they are rounded."""
     array = _real_numbers(name, value, "(n, 3, 4) or (n, 4, 4)")
     if array.ndim != 3 or array.shape[1:] not in ((3, 4), (4, 4)) or not len(array):
-        raise ValueError(f"{name} must have shape (n, 3, 4) or (n, 4, 4) with n ≥ 1, got shape {array.shape}")
+        raise ValueError(f"{name} must have shape (n, 3, 4) or (n, 4, 4) with n ≥ 1, got {_shape(array)}")
     last = array[:, 3:]
     wrong = np.flatnonzero((last != (0, 0, 0, 1)).any(axis=(1, 2)))
     if len(wrong):
@@ -267,8 +286,18 @@ def _real_numbers(name: str, value: ArrayLike, shape: str) -> NDArray[Any]:
     except ValueError as error:  # a ragged nesting
         raise ValueError(f"{name} must have shape {shape}, got {shown(value)}") from error
     if array.dtype.kind not in "fiu":
-        raise TypeError(f"{name} must be real numbers, got an array of dtype {array.dtype}")
+        raise TypeError(f"{name} must be real numbers, got {shown_array(array, value)}")
     return array
+
+
+def shown_array(array: NDArray[Any], value: object) -> str:
+    """Return how the array made of `value` appears in messages: by its type, or, if it was no array, as it came."""
+    return f"an array of dtype {array.dtype}" if isinstance(value, np.ndarray) else shown(value)
+
+
+def _shape(array: NDArray[Any]) -> str:
+    """Return how an array of a wrong shape appears in messages."""
+    return f"shape {array.shape}" if array.ndim else shown(array.item())
 
 
 def size(value: object) -> tuple[int, int]:

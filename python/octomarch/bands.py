@@ -146,11 +146,10 @@ def render_file(
 
 
 def _path(out: object) -> Path:
-    if not isinstance(out, (str, os.PathLike)):
-        raise TypeError(f"out must be a path, got {check.shown(out)}")
-    path = Path(out).absolute()
+    name = check.path("out", out)
+    path = Path(name).absolute()
     if path.suffix.lower() != ".exr":
-        raise ValueError(f"out must end in .exr, got {check.shown(os.fspath(out))}")
+        raise ValueError(f"out must end in .exr, got {check.shown(name)}")
     if path.is_dir():
         raise IsADirectoryError(f"cannot write {path}: it is a directory")
     if not path.parent.is_dir():

@@ -5,6 +5,8 @@ All give linear colours, which `octomarch.write_png` and `image.Image` turn into
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
@@ -49,9 +51,9 @@ def iteration_colors(steps: ArrayLike) -> NDArray[np.float32]:
     >>> om.iteration_colors(image.steps).shape
     (48, 64, 3)
     """
-    counts = np.asarray(steps)
+    counts = _array("steps", steps)
     if counts.dtype.kind not in "iu":
-        raise TypeError(f"steps must be integers, got an array of dtype {counts.dtype}")
+        raise TypeError(f"steps must be integers, got {check.shown_array(counts, steps)}")
     if counts.size and counts.min() < 0:
         raise ValueError(f"steps must be ≥ 0, got {counts.min()}")
     colors = np.full((*counts.shape, 3), _GREEN_AND_BLUE, dtype=np.uint8)
@@ -94,12 +96,9 @@ def colormap(values: ArrayLike, vmin: float | None = None, vmax: float | None = 
     >>> om.colormap([0.0, 0.5, 1.0, np.inf]).astype(float).round(2).tolist()
     [[0.01, 0.0, 0.06], [0.58, 0.06, 0.09], [0.89, 0.92, 0.34], [0.22, 0.22, 0.22]]
     """
-    try:
-        numbers = np.asarray(values)
-    except ValueError as error:  # a ragged nesting
-        raise ValueError(f"values must be an array of numbers, got {check.shown(values)}") from error
+    numbers = _array("values", values)
     if numbers.dtype.kind not in "fiub":
-        raise TypeError(f"values must be real numbers, got an array of dtype {numbers.dtype}")
+        raise TypeError(f"values must be real numbers, got {check.shown_array(numbers, values)}")
     low = None if vmin is None else check.finite("vmin", vmin)
     high = None if vmax is None else check.finite("vmax", vmax)
     if low is not None and high is not None and low >= high:
@@ -110,6 +109,13 @@ def colormap(values: ArrayLike, vmin: float | None = None, vmax: float | None = 
     lightness = np.where(finite, _LIGHTNESS[0] + (_LIGHTNESS[1] - _LIGHTNESS[0]) * share, _GREY)
     chroma = np.where(finite, _CHROMA[0] + _CHROMA[1] * share * (1 - share), 0.0)
     return _linear_rgb(lightness, chroma, np.radians(_HUE[0] + (_HUE[1] - _HUE[0]) * share))
+
+
+def _array(name: str, values: ArrayLike) -> NDArray[Any]:
+    try:
+        return np.asarray(values)
+    except ValueError as error:  # a ragged nesting
+        raise ValueError(f"{name} must be an array of numbers, got {check.shown(values)}") from error
 
 
 def _share(

@@ -61,6 +61,7 @@ def write_exr(path: str | os.PathLike[str], image: Image) -> None:
     """
     if not isinstance(image, Image):
         raise TypeError(f"image must be an om.Image, got {check.shown(image)}")
+    check.path("path", path)
     import OpenEXR  # here, since it is not needed to render
 
     channels: dict[str, NDArray[Any]] = {}
@@ -114,8 +115,8 @@ def read_exr(path: str | os.PathLike[str], *, verify: bool = True) -> Image:
     ...     om.read_exr(path).metadata["render"]["size"]
     [32, 24]
     """
-    name = os.fspath(path)
-    document, groups = read_channels(name, read_layout(name), verify=verify)
+    name, is_verified = check.path("path", path), check.flag("verify", verify)
+    document, groups = read_channels(name, read_layout(name), verify=is_verified)
     arrays = {plane: _restored(name, plane, group) for plane, group in groups.items()}
     return Image(arrays, stats=document.get("stats"), metadata=document.get("metadata"))
 

@@ -297,9 +297,7 @@ def paths_of(out: str | os.PathLike[str], count: int) -> list[Path]:
     >>> [path.name for path in paths_of("frame_{:04d}.png", 2)]
     ['frame_0000.png', 'frame_0001.png']
     """
-    if not isinstance(out, (str, os.PathLike)):
-        raise TypeError(f"out must be a path, got {check.shown(out)}")
-    pattern = os.fspath(out)
+    pattern = check.path("out", out)
     try:
         paths = [Path(pattern.format(place)).absolute() for place in range(max(count, 2))]
     except (IndexError, KeyError, ValueError, AttributeError) as error:

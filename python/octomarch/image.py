@@ -81,6 +81,8 @@ class Image:
         stats: Mapping[str, Any] | None = None,
         metadata: Mapping[str, Any] | Callable[[], Mapping[str, Any]] | None = None,
     ) -> None:
+        if not isinstance(planes, Mapping):
+            raise TypeError(f"planes must be arrays by the name of their plane, got {check.shown(planes)}")
         arrays = {name: _plane(name, planes[name]) for name in check.planes(list(planes), tuple(PLANES))}
         extents = {array.shape[:2] for array in arrays.values()}
         if len(extents) > 1:
@@ -210,7 +212,8 @@ class Image:
         >>> with tempfile.TemporaryDirectory() as folder:
         ...     om.render(om.sphere(1.0), size=(32, 24)).save(pathlib.Path(folder, "ball.png"))
         """
-        suffix = Path(os.fspath(path)).suffix.lower()
+        name = check.path("path", path)
+        suffix = Path(name).suffix.lower()
         if suffix == ".exr":
             from octomarch.exr import write_exr  # here, since exr builds on this module
 
@@ -221,7 +224,7 @@ class Image:
             with atomic(path) as temporary:
                 temporary.write_bytes(data)
         else:
-            raise ValueError(f"path must end in .exr or .png, got {check.shown(os.fspath(path))}")
+            raise ValueError(f"path must end in .exr or .png, got {check.shown(name)}")
 
 
 def _plane(name: PlaneName, value: NDArray[Any]) -> NDArray[Any]:

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from octomarch import _core
 from octomarch import _validate as check
 from octomarch._validate import Precision
-from octomarch.program import Program
+from octomarch.program import Program, program_of
 
 if TYPE_CHECKING:
     from octomarch.camera import AnyCamera
@@ -242,6 +242,8 @@ class March:
         >>> round(march.max_distance, 2)
         3.57
         """
+        program_of("program", program)
+        check.flag("pixels", pixels)
         epsilon, max_distance, step, max_steps = self.epsilon, self.max_distance, self.step, self.max_steps
         if self.method == "certified":
             _require_certifiable(program)
@@ -294,10 +296,11 @@ class March:
         """
         if self.epsilon is None or self.method != "certified":
             raise ValueError("march must be certified and resolved: see March.resolve")
+        program_of("program", program)
         precision = check.choice("precision", precision, ("float32", "float64"))
         offset, slope, reach = program._native.doubt(precision)
         away = np.abs(check.points("origins", origins) - np.array(program.anchor)).max(axis=-1)
-        far = away + np.asarray(t, float)
+        far = away + check.broadcastable("t", t, away.shape)
         doubt = np.where(far <= reach, offset + self.bias + slope * far, np.inf)
         bracket: NDArray[np.float64] = np.maximum(_DOUBTS_OF_BRACKET * doubt, self.epsilon)
         return bracket

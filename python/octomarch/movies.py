@@ -57,7 +57,7 @@ def write_movie(path: str | os.PathLike[str], pictures: Frames, fps: float = 24.
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     om.write_movie(pathlib.Path(folder, "growing.gif"), images, fps=10)
     """
-    name = os.fspath(path)
+    name = check.path("path", path)
     suffix = Path(name).suffix.lower()
     if suffix not in (".gif", ".webp", ".mp4"):
         raise ValueError(f"path must end in .gif, .webp or .mp4, got {check.shown(name)}")

@@ -50,6 +50,7 @@ def write_png(path: str | os.PathLike[str], colors: NDArray[Any]) -> None:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     om.write_png(pathlib.Path(folder, "ramp.png"), ramp)
     """
+    check.path("path", path)
     if not isinstance(colors, np.ndarray):
         raise TypeError(f"colors must be an array, got {check.shown(colors)}")
     if colors.dtype.kind != "f" and colors.dtype != np.uint8:

@@ -123,7 +123,7 @@ def rounded_box(size: float | VectorLike, radius: float, center: VectorLike = (0
     x, y, z = (check.non_negative("size", edge) for edge in _edges(size))
     rounding, most = check.non_negative("radius", radius), min(x, y, z) / 2
     if rounding > most:
-        raise ValueError(f"radius must be at most half of the shortest edge, {most}, got {check.shown(radius)}")
+        raise ValueError(f"radius must be at most half of the shortest edge of size, {most}, got {check.shown(radius)}")
     inner = _core.box((x - 2 * rounding, y - 2 * rounding, z - 2 * rounding), "exact")
     return placed(_core.round(inner, rounding), center)
 

@@ -104,6 +104,21 @@ class Program:
         return self._native.objects
 
 
+def program_of(name: str, value: object) -> Program:
+    """Return `value` if it is a program.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> program_of("program", om.sphere(1.0))
+    Traceback (most recent call last):
+    TypeError: program must be what om.compile returns, got <Shape sphere, 1 node>
+    """
+    if not isinstance(value, Program):
+        raise TypeError(f"{name} must be what om.compile returns, got {check.shown(value)}")
+    return value
+
+
 def compile(shape: Shape | Scene) -> Program:
     """Compile a shape, or the shape of a scene.
 

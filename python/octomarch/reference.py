@@ -240,6 +240,8 @@ def render(
         raise ValueError("planes must name at least one plane, got none")
     precision = _dtype(dtype)
     march, shading = _or_default(March, "march", march), _or_default(Shading, "shading", shading)
+    if not isinstance(scene, (Shape, Scene)):
+        raise TypeError(f"scene must be an om.Shape or om.Scene, got {check.shown(scene)}")
     program = compile(scene)
     camera = or_framing(camera, program, (width, height))
     if isinstance(scene, Shape):

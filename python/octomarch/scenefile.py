@@ -82,7 +82,7 @@ def read(path: str | os.PathLike[str]) -> Scene | Shot:
     ...     read(path).size
     (16, 9)
     """
-    name = os.fspath(path)
+    name = check.path("path", path)
     with Path(name).open("rb") as file:
         data = file.read()
     picture = _PICTURES.get(data[:4])
@@ -104,8 +104,9 @@ def write(path: str | os.PathLike[str], value: Scene | Shot) -> None:
     >>> with tempfile.TemporaryDirectory() as folder:
     ...     write(pathlib.Path(folder, "ball.json"), om.Scene(om.sphere(1.0)))
     """
-    if Path(os.fspath(path)).suffix.lower() != ".json":
-        raise ValueError(f"path must end in .json, got {check.shown(os.fspath(path))}")
+    name = check.path("path", path)
+    if Path(name).suffix.lower() != ".json":
+        raise ValueError(f"path must end in .json, got {check.shown(name)}")
     with _without_collector():
         data = text(_document.document(value)).encode()
     with atomic(path) as temporary:

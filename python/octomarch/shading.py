@@ -7,7 +7,7 @@ from typing import Literal, TypeAlias
 
 from octomarch import _core
 from octomarch import _validate as check
-from octomarch.program import Program
+from octomarch.program import Program, program_of
 
 Normals: TypeAlias = Literal["exact", "central", "tetrahedron"]
 Shadows: TypeAlias = Literal["none", "hard", "soft"]
@@ -112,6 +112,7 @@ class Shading:
         >>> om.Shading().resolve(om.compile(om.box((3, 4, 12)))).occlusion_distance
         0.65
         """
+        program_of("program", program)
         step, reach = self.normal_step, self.occlusion_distance
         return replace(
             self,

@@ -328,14 +328,15 @@ def image_texture(
             raise ValueError(f"{name} is not used by the {mapping} mapping, got {check.shown(value)}")
     colors = pixels("source", source)
     if mapping == "spherical":
-        along = _AXES[check.choice("axis", axis or "y", tuple(_AXES))]
+        along = _AXES[check.choice("axis", "y" if axis is None else axis, tuple(_AXES))]
         return _looked_up(_core.image(colors), *_spherical(coordinates(), along), _REPEAT_ALONG_U)
     width, height = _size(size, colors.shape[1] / colors.shape[0])
-    edges = {"repeat": _REPEAT, "clamp": _HOLD}[check.choice("wrap", wrap or "repeat", ("repeat", "clamp"))]
+    kinds = {"repeat": _REPEAT, "clamp": _HOLD}
+    edges = kinds[check.choice("wrap", "repeat" if wrap is None else wrap, tuple(kinds))]
     image = _core.image(colors)
     point = coordinates()
     if mapping == "planar":
-        along = _AXES[check.choice("axis", axis or "z", tuple(_AXES))]
+        along = _AXES[check.choice("axis", "z" if axis is None else axis, tuple(_AXES))]
         return _looked_up(image, *_planar(point, along, width, height), edges)
     exponent = 4.0 if sharpness is None else check.finite("sharpness", sharpness)
     if not 1 <= exponent <= 64:

@@ -15,6 +15,7 @@ from typing import Any
 
 import octomarch._document as documents
 from octomarch import _core
+from octomarch import _validate as check
 from octomarch._files import atomic
 from octomarch.study.rows import Measures
 from octomarch.study.settings import Setting
@@ -53,7 +54,7 @@ class Kept:
     """
 
     def __init__(self, path: str | os.PathLike[str] | None, subject: dict[str, Any]) -> None:
-        self._path = None if path is None else Path(path)
+        self._path = None if path is None else Path(check.path("resume", path))
         self._subject = {**subject, "octomarch": _core.build_info()["version"]}
         self._measures: dict[str, Measures] = {}
         if self._path is None:

@@ -157,7 +157,8 @@ class Study:
         """
         from octomarch.study.report import page  # here, since it builds on this module
 
-        if Path(os.fspath(path)).suffix.lower() != ".html":
-            raise ValueError(f"path must end in .html, got {check.shown(os.fspath(path))}")
+        name = check.path("path", path)
+        if Path(name).suffix.lower() != ".html":
+            raise ValueError(f"path must end in .html, got {check.shown(name)}")
         with atomic(path) as temporary:
             temporary.write_text(page(self), encoding="utf-8")
