@@ -1,6 +1,8 @@
 """Pictures that show nothing say why, once, where the user called, and others say nothing."""
 
+import re
 import warnings
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -9,6 +11,7 @@ import pytest
 
 import octomarch as om
 from octomarch import empty
+from octomarch.cli import main
 from octomarch.planes import PLANES
 
 BALL, FLOOR = om.sphere(1.0), om.plane(point=(0, -1, 0))
@@ -148,3 +151,41 @@ def test_reasons_hold_where_pixels_are_few_and_many():
     with pytest.warns(om.RenderWarning, match="spent all of max_steps=60"):
         om.render(om.plane(), grazing, (2000, 1500), planes=("depth",), march=march)
     assert (image.status == om.Status.STEP_LIMIT).mean() > 0.5
+
+
+# Long work -----------------------------------------------------------------------------------------------------------
+
+
+class StoppedError(Exception):
+    pass
+
+
+def stop(*_: int) -> None:
+    raise StoppedError
+
+
+INSIDE = om.Camera((0, 0, 0.01), (0, 0, 0))
+
+
+def test_large_pictures_are_told_before_they_are_rendered(tmp_path: Path):
+    with pytest.warns(om.RenderWarning, match="begin inside the solid") as caught, pytest.raises(StoppedError):
+        om.render_file(om.sphere(1.0), INSIDE, (16384, 16384), out=tmp_path / "a.exr", progress=stop)
+    assert [each.filename for each in caught] == [__file__]
+
+
+def test_frames_are_told_here_when_others_render_them(tmp_path: Path):
+    with (
+        ThreadPoolExecutor(1) as pool,
+        pytest.warns(om.RenderWarning, match="begin inside the solid") as caught,
+        pytest.raises(StoppedError),
+    ):
+        om.render_frames(om.sphere(1.0), [INSIDE] * 2, (16, 12), out=tmp_path / "{}.exr", executor=pool, progress=stop)
+    assert caught[0].filename == __file__
+
+
+def test_the_command_tells_in_a_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    om.Shot(om.Scene(om.sphere(1.0)), INSIDE, (16, 12)).save(tmp_path / "a.json")
+    with warnings.catch_warnings():
+        warnings.simplefilter("always")
+        assert main(["render", str(tmp_path / "a.json"), "-o", str(tmp_path / "a.png"), "-q"]) == 0
+    assert re.fullmatch(r"octomarch: warning: nothing to be seen: .*\n", capsys.readouterr().err)

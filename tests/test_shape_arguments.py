@@ -137,7 +137,7 @@ def test_values_that_are_not_finite_are_named(build, argument, value):
         (lambda: om.box(1, form="round"), "form must be one of 'exact', 'exterior', 'maximum', got 'round'"),
         (
             lambda: om.rounded_box((1, 2, 3), 0.51),
-            r"radius must be at most half of the shortest edge of size, 0\.5, got 0\.51",
+            r"radius must be at most half .* of size, 0\.5, got 0\.51",
         ),
         (lambda: om.rectangle((1, 2, 3)), r"size must be two numbers, got \(1, 2, 3\)"),
         (lambda: om.circle(1, center=(0, 0, 0)), r"center must be two numbers, got \(0, 0, 0\)"),

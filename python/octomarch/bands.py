@@ -18,7 +18,7 @@ from octomarch._files import remove_leftovers
 from octomarch._tasks import Executor, executor_or_none, run
 from octomarch._validate import Precision
 from octomarch.camera import AnyCamera
-from octomarch.frames import Frame, FramesError, is_rendered, render_frame
+from octomarch.frames import Frame, FramesError, is_rendered, look, render_frame
 from octomarch.march import March
 from octomarch.planes import PlaneName
 from octomarch.progress import Callback, reporting
@@ -86,6 +86,11 @@ def render_file(
     KeyboardInterrupt, CancelledError
         Ctrl-C and `Progress.cancel` end the work at once. What an executor has begun ends by itself.
 
+    Warns
+    -----
+    RenderWarning
+        If it seems that nothing is to be seen: why, and what would help, before the picture is rendered.
+
     Examples
     --------
     >>> import octomarch as om, tempfile
@@ -117,6 +122,8 @@ def render_file(
     window = check.crop(shot.crop, shot.size)
     with reporting(progress, "render", " rays", window[2] * window[3] * shot.samples, "bands") as report:
         if not is_rendered(path, mark):
+            if shot.crop is None:
+                look(Frame(shot, path, threads=threads, isa=isa))
             folder = path.with_name(f".{path.name}.bands")
             folder.mkdir(exist_ok=True)
             rows = max(1, _PIXELS // (ROWS * window[2])) * ROWS

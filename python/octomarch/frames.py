@@ -23,7 +23,7 @@ from octomarch.march import March
 from octomarch.planes import PlaneName
 from octomarch.program import compile
 from octomarch.progress import Callback, reporting
-from octomarch.render import lit_by_default
+from octomarch.render import lit_by_default, render
 from octomarch.scene import Scene
 from octomarch.scenefile import digest
 from octomarch.shading import Shading
@@ -31,6 +31,7 @@ from octomarch.shapes import Shape
 from octomarch.shot import Shot
 
 _MOST_TOLD = 3  # failures, in a message
+_LOOKED_AT = 128  # pixels along the longer side of what tells whether there is something to be seen
 
 
 class FramesError(RuntimeError):
@@ -212,6 +213,8 @@ def render_all(
         if frame.path.suffix.lower() == ".png" and "color" not in frame.shot.planes:
             raise ValueError(f"planes must have 'color' for frames in PNG, got {check.shown(frame.shot.planes)}")
     windows = [check.crop(frame.shot.crop, frame.shot.size) for frame in frames]
+    if executor is not None and frames[0].shot.crop is None:
+        look(frames[0])
     rays = sum(window[2] * window[3] * frame.shot.samples for window, frame in zip(windows, frames, strict=True))
     with reporting(progress, "render", " rays", rays, "frames") as report:
         failures = run(render_frame, frames, executor, tries, report)
@@ -238,6 +241,33 @@ def render_frame(frame: Frame, progress: Callback | None = None) -> None:
         image = shot.render(threads=frame.threads, isa=frame.isa, progress=progress)
         image.metadata["digest"] = mark
         image.save(frame.path)
+
+
+def look(frame: Frame) -> None:
+    """Warn if a picture seems to show nothing, before it takes hours: by a small one of the same view.
+
+    Bands of a picture are too small to tell, and what workers warn of is heard by nobody.
+
+    Examples
+    --------
+    >>> import octomarch as om
+    >>> look(Frame(om.Shot(om.Scene(om.sphere(1.0)), size=(16384, 16384)), Path("ball.exr")))
+    """
+    shot = frame.lit()
+    scale = min(1.0, _LOOKED_AT / max(shot.size))
+    width, height = (max(1, round(scale * pixels)) for pixels in shot.size)
+    march = shot.march or March()
+    march = dataclasses.replace(march, pixel_tolerance=march.pixel_tolerance * height / shot.size[1])
+    render(
+        shot.scene,
+        shot.camera,
+        (width, height),
+        march=march,
+        planes="status",
+        precision=shot.precision,
+        threads=frame.threads,
+        isa=frame.isa,
+    )
 
 
 def is_rendered(path: Path, mark: str) -> bool:
