@@ -1,5 +1,6 @@
 """A sound call of everything public, for tests that make one argument of it wrong."""
 
+import importlib.util
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -27,6 +28,8 @@ RENDERED: dict[str, Any] = {
     "samples": 1,
     "crop": (0, 0, 4, 4),
 }
+VIEWED: dict[str, Any] = {key: RENDERED[key] for key in ("scene", "camera", "size", "march", "shading", "samples")}
+VIEWED["plane"] = "color"
 EXECUTED: dict[str, Any] = {"threads": 1, "isa": "scalar"}
 FRAMES: dict[str, Any] = {"retries": 0, "executor": None, **EXECUTED}
 AXIS: dict[str, Any] = {"axis": "y", "center": (0, 0, 0)}
@@ -272,4 +275,5 @@ def calls(folder: Path) -> dict[str, tuple[Callable[..., Any], dict[str, Any]]]:
             {**{key: value for key, value in RENDERED.items() if key != "precision"}, "dtype": "float64"},
         ),
     }
-    return found | methods
+    viewer = dict.fromkeys(("view", "Viewer") if importlib.util.find_spec("anywidget") else (), VIEWED)
+    return found | methods | {name: (getattr(om, name), arguments) for name, arguments in viewer.items()}

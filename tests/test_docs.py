@@ -19,7 +19,7 @@ ROOT = Path(__file__).parents[1]
 GALLERY = sorted((ROOT / "examples" / "gallery").glob("[0-9]*.py"))
 PAGES = sorted([ROOT / "docs" / "index.md", *(ROOT / "docs" / "guide").glob("*.md")])
 LINES_AT_MOST = 40
-NEEDED = {"frames": "imageio"}
+NEEDED = {"frames": "imageio", "notebooks": "anywidget"}
 """Modules of extras that pages need."""
 
 

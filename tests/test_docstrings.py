@@ -15,7 +15,10 @@ MODULES = sorted(
     for module in pkgutil.walk_packages(om.__path__, "octomarch.")
     if module.name not in ("octomarch._core", "octomarch.__main__")
 )
-NEEDED = {"octomarch.movies": "imageio"}
+NEEDED = {
+    "octomarch.movies": "imageio",
+    "octomarch.viewer.widget": "anywidget",
+}
 """Modules of extras that examples need."""
 PUBLIC = [name for name in om.__all__ if callable(getattr(om, name)) and name != "SceneError"]
 

@@ -13,7 +13,7 @@ def loaded_by(statement: str) -> set[str]:
 def test_import_loads_no_library_but_numpy():
     modules = loaded_by("import octomarch")
     assert "numpy" in modules
-    assert not modules & {"OpenEXR", "PIL", "tqdm", "matplotlib", "octomarch.cli", "octomarch.demo"}
+    assert not modules & {"OpenEXR", "PIL", "tqdm", "anywidget", "matplotlib", "octomarch.cli", "octomarch.demo"}
 
 
 def test_rendering_needs_no_library_but_numpy():

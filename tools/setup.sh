@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Prepares the machine for the Makefile: Python's headers, GLM and ccache ("build"), doctest and POV-Ray ("test") or the
-# LLVM that Dr.Jit works with ("peers") through apt where they are missing and apt may be used, then, for "build", the
-# virtual environment .venv. Says what to do where it may not. Called as: setup.sh PYTHON build|test|peers
+# Prepares the machine for the Makefile: Python's headers, GLM and ccache ("build"), doctest, POV-Ray and Chromium ("test")
+# or the LLVM that Dr.Jit works with ("peers") through apt where they are missing and apt may be used, then, for "build",
+# the virtual environment .venv. Says what to do where it may not. Called as: setup.sh PYTHON build|test|peers
 set -euo pipefail
 python=$1
 stage=$2
@@ -22,6 +22,7 @@ missing_packages() {
   elif [ "$stage" = test ]; then
     has_header doctest/doctest.h || echo doctest-dev
     command -v povray > /dev/null || echo povray
+    command -v chromium > /dev/null || command -v google-chrome > /dev/null || echo chromium
   else
     compgen -G '/usr/lib/*/libLLVM-19.so' > /dev/null || echo libllvm19
   fi
@@ -60,6 +61,7 @@ for package in $(missing_packages); do
     libglm-dev) echo "GLM is missing: CMake will download it. To avoid that: apt-get install libglm-dev" >&2 ;;
     doctest-dev) echo "doctest is missing: CMake will download it. To avoid that: apt-get install doctest-dev" >&2 ;;
     povray) echo "POV-Ray is missing: tests against it will be skipped. To run them: apt-get install povray" >&2 ;;
+    chromium) echo "Chromium is missing: tests of notebooks will be skipped. To run them: apt-get install chromium" >&2 ;;
     libllvm19) echo "libllvm19 is missing: Dr.Jit will be reported as failed, or work with another LLVM." >&2 ;;
     ccache) echo "ccache is missing: builds from scratch will take longer." >&2 ;;
   esac

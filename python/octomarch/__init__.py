@@ -81,6 +81,7 @@ from octomarch.study import Measured, Study, StudyRow, StudyTable, study
 from octomarch.surfaces import diamond, gyroid, schwarz_p
 from octomarch.textures import Texture, checker, image_texture, noise_texture, stripes
 from octomarch.turntables import turntable
+from octomarch.viewer import Pick, Viewer, view
 
 __version__ = build_info()["version"]
 
@@ -101,6 +102,7 @@ __all__ = [
     "Measured",
     "OrthographicCamera",
     "PanoramicCamera",
+    "Pick",
     "PointLight",
     "Program",
     "Progress",
@@ -117,6 +119,7 @@ __all__ = [
     "StudyRow",
     "StudyTable",
     "Texture",
+    "Viewer",
     "__version__",
     "absolute",
     "acos",
@@ -198,6 +201,7 @@ __all__ = [
     "triangular_prism",
     "turntable",
     "union",
+    "view",
     "where",
     "write_exr",
     "write_movie",

@@ -194,6 +194,13 @@ def flag(name: str, value: object) -> bool:
     return bool(value)
 
 
+def text(name: str, value: object) -> str:
+    """Return a text."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be a text, got {shown(value)}")
+    return value
+
+
 def choice(name: str, value: object, options: Sequence[str | None]) -> Any:
     """Return `value` if it is one of `options`."""
     if value is not None and not isinstance(value, str):

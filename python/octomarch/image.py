@@ -183,7 +183,11 @@ class Image:
         return colormaps.iteration_colors(values)
 
     def _repr_png_(self) -> bytes | None:
-        return self.to_png_bytes() if "color" in self.planes else None
+        """Show the colours in notebooks, or what else there is to be seen."""
+        from octomarch import looks  # here, since it builds on this module
+
+        plane = looks.default_plane(self)
+        return None if plane is None else png.png_bytes(looks.look(self, plane))
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Save as OpenEXR (all planes and how they were made) or PNG (the colours), by the suffix of `path`.

@@ -94,5 +94,11 @@ class Scene:
 
         write(path, self)
 
+    def _repr_png_(self) -> bytes | None:
+        """Show a small picture in notebooks, framed by default."""
+        from octomarch.render import render  # here, since rendering builds on this module
+
+        return render(self, size=(480, 360))._repr_png_()
+
     def _native(self) -> _core.Scene:
         return _core.Scene([light._native() for light in self.lights], self.sky._native(), self.ambient)
