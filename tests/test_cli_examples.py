@@ -43,6 +43,8 @@ def test_example_runs(
         if suffix in example:
             pytest.importorskip(module)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("webbrowser.open", lambda address: address.startswith("http://127.0.0.1:"))
+    monkeypatch.setattr("octomarch.cli.view._follow", lambda *_: None)  # which ends with Ctrl-C only
     Path("scene.py").write_text(SCRIPT)
     scene = om.Scene(om.sphere(1.0) - om.box(1.3), lights=[om.DirectionalLight((-1, -2, -1))])
     om.Shot(scene, om.Camera((2, 2, 4), (0, 0, 0)), (64, 48)).save("shot.json")

@@ -2,7 +2,8 @@
 
 Messages (see `messages`) come on any thread and are answered from one of its own (`turns`), so that whoever brings
 them is free at once. While input comes, pictures are as coarse as they must be to be quick (`pace`). Once it has
-ceased, they are refined step by step, until new input ends that. `widget` connects an engine to a front end.
+ceased, they are refined step by step, until new input ends that. `widget` and `server` connect an engine to a front
+end.
 """
 
 from __future__ import annotations
@@ -117,7 +118,11 @@ class Engine:
                     self._take_input(message)
             self._turns.ask()
         except (TypeError, ValueError) as error:
-            self._send({**messages.error_message(error), "answers": dict(self._answers)})
+            self.fail(error)
+
+    def fail(self, error: Exception) -> None:
+        """Tell the front end of something that went wrong elsewhere."""
+        self._send({**messages.error_message(error), "answers": dict(self._answers)})
 
     def close(self) -> None:
         """End all work."""

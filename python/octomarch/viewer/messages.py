@@ -1,4 +1,4 @@
-"""What an engine and a front end tell each other, as JSON and bytes; `widget` carries it to `viewer.js`.
+"""What an engine and a front end tell each other, as JSON and bytes; `widget` and `server` carry it to `viewer.js`.
 
 To the front end go ``state`` (what can be set, and to what it is), ``frame`` (a picture, its file as bytes), ``errors``
 (of the last frame, once the truth is known), ``picked``, ``error``, and ``done`` if nothing has changed. Each but
