@@ -16,7 +16,7 @@ from hypothesis import strategies as st
 from numpy.testing import assert_array_equal
 
 import octomarch as om
-from octomarch import _exr_bands, bands
+from octomarch import _exr_chunks, bands
 from octomarch.planes import PLANES
 
 SCENE = om.Scene(
@@ -217,13 +217,13 @@ def test_cancelling_ends_a_band(tmp_path: Path):
 @given(first=st.binary(max_size=50), second=st.binary(max_size=300), zeros=st.integers(0, 10_000))
 def test_checksums_combine(first: bytes, second: bytes, zeros: int):
     second += bytes(zeros)
-    found = _exr_bands.crc32_of_both(zlib.crc32(first), zlib.crc32(second), len(second))
+    found = _exr_chunks.crc32_of_both(zlib.crc32(first), zlib.crc32(second), len(second))
     assert found == zlib.crc32(first + second)
 
 
 @given(rows=st.integers(1, 9).map(lambda n: 16 * n), height=st.integers(1, 500), y=st.integers(0, 40))
 def test_bands_cover_a_window(rows: int, height: int, y: int):
-    parts = list(_exr_bands.bands_of((3, y, 20, height), rows))
+    parts = list(_exr_chunks.parts_of((3, y, 20, height), rows))
     assert [part[1] for part in parts] == list(range(y, y + height, rows))
     assert sum(part[3] for part in parts) == height
 

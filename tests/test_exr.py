@@ -283,3 +283,15 @@ def test_write_changes_nothing_of_the_image(image: om.Image, tmp_path: Path):
 def test_write_takes_images_only(tmp_path: Path):
     with pytest.raises(TypeError, match=r"image must be an om\.Image, got 3"):
         om.write_exr(tmp_path / "a.exr", 3)  # type: ignore[arg-type]
+
+
+def test_large_images_are_written_in_parts_to_the_same_bytes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    planes = tuple(PLANES)
+    for name, crop in {"whole": None, "crop": (7, 5, 60, 43)}.items():
+        image = om.render(om.sphere(1.0) - om.box(1.2), size=(90, 100), planes=planes, crop=crop)
+        image.save(tmp_path / f"{name}.exr")
+        with monkeypatch.context() as patched:
+            patched.setattr("octomarch.exr._PIXELS", 90 * 40)
+            image.save(tmp_path / f"{name}_parts.exr")
+        assert (tmp_path / f"{name}.exr").read_bytes() == (tmp_path / f"{name}_parts.exr").read_bytes()
+    assert len(list(tmp_path.iterdir())) == 4

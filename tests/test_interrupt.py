@@ -53,6 +53,7 @@ LARGE = "shape = om.union(*(om.sphere(0.05, center=c) for c in centers), smooth=
 WAVES = "x, y, z = om.coordinates(); shape = om.field(sum(om.sin(x * k + y) for k in range(4000)))"
 GRAZED = "shape = om.plane(); camera = om.Camera((0, 1e-3, 0), (1, 0, 0), fov=0.01)"
 MIRRORS = f"{LARGE}; shape = shape.paint(om.Material(0.5, reflectivity=1)) | om.plane(point=(0, -1, 0))"
+NOISY = "image = om.Image({'color': np.random.default_rng(0).random((5000, 5000, 3), np.float32)})"
 WORK = {
     "many pixels": (SMALL, "om.render(shape, camera, (16000, 16000), progress=note)"),
     "many steps": (GRAZED, "om.render(shape, camera, (8000, 8000), progress=note, march=om.March('plain', 10**6))"),
@@ -72,6 +73,8 @@ WORK = {
     ),
     "reflections": (MIRRORS, "om.render(shape, camera, (4000, 4000), progress=note, shading=om.Shading(bounces=64))"),
     "a picture to be saved": (SMALL, "om.render(shape, camera, (16000, 16000), progress=note).save('picture.exr')"),
+    "saving EXR": (NOISY, "image.save('picture.exr')"),
+    "saving PNG": (NOISY, "image.save('picture.png')"),
     "a large field": (WAVES, "shape.distance(np.zeros((10**7, 3)))"),
     "a large gradient": (WAVES, "shape.gradient(np.zeros((10**7, 3)))"),
     "many rays": (LARGE, "shape.raycast(np.full((10**6, 3), 3.0), np.full((10**6, 3), -1.0))"),

@@ -26,7 +26,7 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
         raise OSError(f"cannot write {path}: it is not a regular file")
     if not target.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path}: there is no directory {target.parent}")
-    temporary = target.with_name(f"{_beginning(target)}{secrets.token_hex(_TOKEN)}.tmp{target.suffix}")
+    temporary = temporary_name(target)
     try:
         temporary.open("xb").close()  # here, so that an unwritable directory is a plain OSError
         yield temporary
@@ -37,6 +37,11 @@ def atomic(path: str | os.PathLike[str]) -> Iterator[Path]:
         with suppress(OSError):
             temporary.unlink(missing_ok=True)
         raise
+
+
+def temporary_name(target: Path) -> Path:
+    """Return a new name beside a file, for what `remove_leftovers` removes if the writer is killed."""
+    return target.with_name(f"{_beginning(target)}{secrets.token_hex(_TOKEN)}.tmp{target.suffix}")
 
 
 def remove_leftovers(paths: Iterable[str | os.PathLike[str]]) -> None:

@@ -13,7 +13,8 @@ from pathlib import Path
 from typing import Any
 
 from octomarch import _validate as check
-from octomarch._exr_bands import ROWS, bands_of, join
+from octomarch._exr_bands import join
+from octomarch._exr_chunks import ROWS, parts_of
 from octomarch._files import remove_leftovers
 from octomarch._tasks import Executor, executor_or_none, run
 from octomarch._validate import Precision
@@ -135,7 +136,7 @@ def render_file(
                     isa=isa,
                     mark=f"{mark} {band}",
                 )
-                for band in bands_of(window, rows)
+                for band in parts_of(window, rows)
             ]
             bands = [frame.path for frame in frames]
             failures = run(render_frame, frames, executor, tries, report)

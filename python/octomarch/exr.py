@@ -10,17 +10,20 @@ from __future__ import annotations
 
 import json
 import os
+import struct
 import zlib
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from octomarch import _core
 from octomarch import _validate as check
+from octomarch._exr_chunks import ROWS, Checksums, chunks_of, parts_of, write_chunks
 from octomarch._exr_layout import Layout, read_layout
-from octomarch._files import atomic
+from octomarch._files import atomic, temporary_name
 from octomarch.image import Image
 from octomarch.planes import PLANES, PlaneName
 
@@ -28,6 +31,11 @@ ATTRIBUTE = "octomarch"
 """Of the header: what is known of the picture, as `encoded` gives it."""
 # Rec. ITU-R BT.709 primaries and white, x and y of each: what R G B mean.
 _CHROMATICITIES = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+_PIXELS = 2**18  # of a part
+
+Channels: TypeAlias = dict[str, NDArray[Any]]
+Window: TypeAlias = tuple[int, int, int, int]
+"""x, y, width, height."""
 
 
 def write_exr(path: str | os.PathLike[str], image: Image) -> None:
@@ -64,25 +72,59 @@ def write_exr(path: str | os.PathLike[str], image: Image) -> None:
     check.path("path", path)
     import OpenEXR  # here, since it is not needed to render
 
-    channels: dict[str, NDArray[Any]] = {}
-    checksums: dict[str, int] = {}
-    for name in image.planes:
-        stored = _stored(name, getattr(image, name))
-        channels.update(stored)
-        checksums[name] = _checksum(stored)
     header = {
         "type": OpenEXR.scanlineimage,
         "compression": OpenEXR.ZIP_COMPRESSION,
         "chromaticities": _CHROMATICITIES,
         "software": f"octomarch {_version()}",
-        **_windows(image),
-        ATTRIBUTE: encoded(image.metadata, image.stats, checksums),
     }
+    sums = Checksums()
+    for _, planes in _parts(image):
+        sums.add(planes)
+    text = encoded(image.metadata, image.stats, sums.of_planes())
     with atomic(path) as temporary:
         try:
-            OpenEXR.File(header, channels).write(os.fspath(temporary))
+            _write(temporary, temporary_name(Path(os.path.realpath(path))), image, {**header, ATTRIBUTE: text})
         except RuntimeError as error:
             raise OSError(f"cannot write {os.fspath(path)}: {error}") from error
+
+
+def _write(path: Path, part: Path, image: Image, header: Mapping[str, Any]) -> None:
+    """Write a file part by part, each in turn in `part`, so that Ctrl-C is heard while pixels are compressed."""
+    import OpenEXR
+
+    display, (x, y, _, _) = _windows(image)
+
+    def written(window: Window, planes: Mapping[PlaneName, Channels]) -> Layout:
+        windows = {"displayWindow": _corners(display), "dataWindow": _corners(window)}
+        channels = {name: pixels for group in planes.values() for name, pixels in group.items()}
+        OpenEXR.File({**header, **windows}, channels).write(os.fspath(part))
+        return read_layout(os.fspath(part))
+
+    def chunks(first: Layout, others: Iterator[tuple[Window, dict[PlaneName, Channels]]]) -> Iterator[bytes]:
+        yield from chunks_of(part, first)
+        for (left, top, width, height), planes in others:
+            yield from chunks_of(part, written((x + left, y + top, width, height), planes))
+
+    try:
+        parts = _parts(image)
+        (_, _, width, height), planes = next(parts)
+        first = written((x, y, width, height), planes)
+        window = struct.pack("<4i", x, y, x + width - 1, y + image.size[1] - 1)
+        attributes = {**first.attributes, "dataWindow": ("box2i", window)}
+        with path.open("wb") as out:
+            write_chunks(out, attributes, image.size[1], chunks(first, parts))
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _parts(image: Image) -> Iterator[tuple[Window, dict[PlaneName, Channels]]]:
+    """Give the channels of all planes part by part, from the top."""
+    width, height = image.size
+    rows = max(1, _PIXELS // (ROWS * width)) * ROWS
+    for window in parts_of((0, 0, width, height), rows):
+        some = slice(window[1], window[1] + window[3])
+        yield window, {name: _stored(name, getattr(image, name)[some]) for name in image.planes}
 
 
 def read_exr(path: str | os.PathLike[str], *, verify: bool = True) -> Image:
@@ -247,26 +289,28 @@ def _verify(path: str, groups: Mapping[PlaneName, dict[str, NDArray[Any]]], expe
             )
 
 
-def _windows(image: Image) -> dict[str, Any]:
-    """Return the display window and the data window of a crop, nothing for images that are none or do not say so."""
+def _windows(image: Image) -> tuple[Window, Window]:
+    """Return the display window and the data window: of a crop where it lies in the whole, else twice the image's."""
+    alone = (0, 0, *image.size)
     made = image.metadata.get("render")
     if not isinstance(made, Mapping) or made.get("crop") is None:
-        return {}
+        return alone, alone
     try:
         whole = check.size(made.get("size"))
         x, y, width, height = check.crop(made["crop"], whole)
     except (TypeError, ValueError):
-        return {}
+        return alone, alone
     if (width, height) != image.size:
-        return {}
-    corners = {"displayWindow": (0, 0, *whole), "dataWindow": (x, y, x + width, y + height)}
-    return {
-        name: (np.array([left, top], np.int32), np.array([right - 1, bottom - 1], np.int32))
-        for name, (left, top, right, bottom) in corners.items()
-    }
+        return alone, alone
+    return (0, 0, *whole), (x, y, width, height)
 
 
-def _stored(name: PlaneName, array: NDArray[Any]) -> dict[str, NDArray[Any]]:
+def _corners(window: Window) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+    x, y, width, height = window
+    return np.array([x, y], np.int32), np.array([x + width - 1, y + height - 1], np.int32)
+
+
+def _stored(name: PlaneName, array: NDArray[Any]) -> Channels:
     """Return the channels of a plane. Contiguous: the library writes anything else wrong without a word."""
     plane = PLANES[name]
     if plane.is_float:

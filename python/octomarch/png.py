@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from octomarch import _validate as check
 from octomarch._files import atomic
 
+_NUMBERS = 2**16  # turned into bytes at once: they stay in the cache, and Ctrl-C is heard between them
 DOCUMENT = "octomarch"
 """Keyword of the text that holds the shot."""
 DIGEST = "octomarch digest"
@@ -100,9 +101,14 @@ def read_text(path: str, keyword: str = DOCUMENT, *, whole: bool = False) -> str
 
 def levels(linear: NDArray[Any]) -> NDArray[np.uint8]:
     """Return linear numbers as sRGB bytes: clipped to [0, 1], rounded to nearest, NaN as 0."""
-    with np.errstate(over="ignore"):
-        numbers = np.nan_to_num(np.asarray(linear, dtype=np.float32), nan=0.0)
-    return np.searchsorted(_STEPS, numbers, side="right").astype(np.uint8)
+    numbers = np.asarray(linear).reshape(-1)
+    result = np.empty(numbers.shape, np.uint8)
+    for first in range(0, numbers.size, _NUMBERS):
+        some = slice(first, first + _NUMBERS)
+        with np.errstate(over="ignore"):
+            part = np.nan_to_num(numbers[some].astype(np.float32), nan=0.0)
+        result[some] = np.searchsorted(_STEPS, part, side="right")
+    return result.reshape(np.shape(linear))
 
 
 def linear(levels: NDArray[np.uint8]) -> NDArray[np.float32]:
