@@ -9,7 +9,9 @@ import pytest
 from hypothesis import settings
 
 import octomarch as om
+from chromium import BROWSER, Chromium
 from octomarch.empty import expected
+from webgl import WebGl
 
 WARNED = ("test_empty", "test_docs", "test_docstrings")
 """Files whose tests are told of pictures that show nothing."""
@@ -29,6 +31,23 @@ def isa(request: pytest.FixtureRequest) -> str:
 def precision(request: pytest.FixtureRequest) -> str:
     """Name of each arithmetic, one after the other."""
     return str(request.param)
+
+
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Chromium]:
+    """Return the browser of all tests that need one."""
+    pytest.importorskip("playwright")
+    if BROWSER is None:
+        pytest.skip("needs Debian's chromium")
+    browser = Chromium()
+    yield browser
+    browser.close()
+
+
+@pytest.fixture(scope="session")
+def webgl(chromium: Chromium) -> WebGl:
+    """Return what runs shaders in it."""
+    return WebGl(chromium)
 
 
 @pytest.fixture(scope="module", autouse=True)

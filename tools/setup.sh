@@ -61,7 +61,7 @@ for package in $(missing_packages); do
     libglm-dev) echo "GLM is missing: CMake will download it. To avoid that: apt-get install libglm-dev" >&2 ;;
     doctest-dev) echo "doctest is missing: CMake will download it. To avoid that: apt-get install doctest-dev" >&2 ;;
     povray) echo "POV-Ray is missing: tests against it will be skipped. To run them: apt-get install povray" >&2 ;;
-    chromium) echo "Chromium is missing: tests of notebooks will be skipped. To run them: apt-get install chromium" >&2 ;;
+    chromium) echo "Chromium is missing: tests of notebooks and shaders will be skipped. To run them: apt-get install chromium" >&2 ;;
     libllvm19) echo "libllvm19 is missing: Dr.Jit will be reported as failed, or work with another LLVM." >&2 ;;
     ccache) echo "ccache is missing: builds from scratch will take longer." >&2 ;;
   esac

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 from octomarch import _core
 from octomarch import _validate as check
@@ -12,6 +13,11 @@ from octomarch._validate import ColorLike, Vec3
 from octomarch.lights import DirectionalLight, Light, PointLight, SpotLight
 from octomarch.shapes import Shape
 from octomarch.skies import AnySky, Sky
+
+if TYPE_CHECKING:
+    from octomarch.camera import AnyCamera
+    from octomarch.march import March
+    from octomarch.shading import Shading
 
 
 @dataclass(frozen=True, init=False)
@@ -99,6 +105,52 @@ class Scene:
         from octomarch.render import render  # here, since rendering builds on this module
 
         return render(self, size=(480, 360))._repr_png_()
+
+    def glsl(
+        self,
+        camera: AnyCamera | None = None,
+        *,
+        march: March | None = None,
+        shading: Shading | None = None,
+        size: tuple[int, int] = (640, 480),
+    ) -> str:
+        """Return a picture of the scene as a fragment shader, in the manner of ShaderToy.
+
+        GLSL ES 3.00 for WebGL 2, as browsers run it, with the function ``mainImage(out vec4 color, in vec2 pixel)``. It
+        needs ``iResolution`` and nothing else. Each node of the shape is a line with a name; materials, lights, shadows,
+        occlusion, the sky and reflections are those of `octomarch.render`, and so is the picture, up to roundings: hits
+        may lie elsewhere within the hit tolerance, and exact normals become differences over a short way.
+
+        Parameters
+        ----------
+        camera, march, shading
+            As for `octomarch.render`. Any method but ``"certified"``.
+        size : (int, int)
+            Width and height of the picture for which a camera is found where none is given.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is of a wrong type or outside its range.
+        SceneError
+            If something cannot be part of a shader, which is told: an image of more than 4096 texels, a shape of more
+            than 2048 nodes.
+
+        Examples
+        --------
+        >>> import octomarch as om
+        >>> scene = om.Scene(om.sphere(1.0), lights=[om.PointLight((2, 5, 2), 30)])
+        >>> shader = scene.glsl(om.Camera((0, 0, 4), (0, 0, 0)))
+        >>> "color += point_light(vec3(2.0, 5.0, 2.0), vec3(30.0), 2, o, n, d, m);" in shader
+        True
+        """
+        from octomarch.glsl import shader  # here, since it builds on this module
+
+        return shader(self, camera, size, march, shading)
 
     def _native(self) -> _core.Scene:
         return _core.Scene([light._native() for light in self.lights], self.sky._native(), self.ambient)

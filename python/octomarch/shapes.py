@@ -20,6 +20,10 @@ from octomarch.materials import Material
 if TYPE_CHECKING:
     import trimesh
 
+    from octomarch.camera import AnyCamera
+    from octomarch.march import March
+    from octomarch.shading import Shading
+
 
 class Shape(Placement, Deformation):
     """A solid given by its signed distance field: negative inside, positive outside.
@@ -189,6 +193,48 @@ class Shape(Placement, Deformation):
         from octomarch.meshing import mesh  # here, since meshing builds on this module
 
         return mesh(self, resolution, bounds, colors, threads)
+
+    def glsl(
+        self,
+        camera: AnyCamera | None = None,
+        *,
+        march: March | None = None,
+        shading: Shading | None = None,
+        size: tuple[int, int] = (640, 480),
+    ) -> str:
+        """Return a picture of the shape as a fragment shader, in the manner of ShaderToy; see `Scene.glsl`.
+
+        The shape is lit as `octomarch.render` lights a shape alone.
+
+        Parameters
+        ----------
+        camera, march, shading
+            As for `octomarch.render`. Any method but ``"certified"``.
+        size : (int, int)
+            Width and height of the picture for which a camera is found where none is given.
+
+        Returns
+        -------
+        str
+
+        Raises
+        ------
+        TypeError, ValueError
+            If an argument is of a wrong type or outside its range.
+        SceneError
+            If something cannot be part of a shader, which is told: an image of more than 4096 texels, a shape of more
+            than 2048 nodes.
+
+        Examples
+        --------
+        >>> import octomarch as om
+        >>> shader = om.sphere(1.0).union(om.box(1.5), smooth=0.25).glsl()
+        >>> "float union1 = smooth_union(sphere1, box1, 0.25);" in shader
+        True
+        """
+        from octomarch.glsl import shader  # here, since it builds on this module
+
+        return shader(self, camera, size, march, shading)
 
 
 def combine(kind: str, shapes: Sequence[Shape], smooth: float) -> Shape:

@@ -17,10 +17,10 @@ import warnings
 from collections.abc import Sequence
 
 import octomarch as om
-from octomarch.cli import animate, demo, info, listing, mesh, render, study, view
+from octomarch.cli import animate, demo, glsl, info, listing, mesh, render, study, view
 from octomarch.cli.parser import Exit, Parser, ScriptError
 
-COMMANDS = (render, view, animate, study, mesh, listing, info, demo)
+COMMANDS = (render, view, animate, study, mesh, glsl, listing, info, demo)
 """In the order of the help. To add one: a module with ``add(commands)``, which calls `octomarch.cli.parser.command`."""
 
 
