@@ -195,3 +195,15 @@ def test_mesh_of_a_scene_is_cut_and_written(tmp_path: Path, capsys: pytest.Captu
     with pytest.raises(SystemExit):
         main([*arguments, "--bounds=1,2,3"])
     assert "bounds must look like -1,-1,-1,1,1,1, got '1,2,3'" in capsys.readouterr().err
+
+
+def test_glsl_of_a_scene_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    out = tmp_path / "blend.glsl"
+    assert main(["glsl", "blend", "-o", str(out), "--set", "march.max_steps=99"]) == 0
+    shot = DEMOS["blend"]()
+    lines = out.read_text().splitlines()
+    assert f"{len(lines)} lines" in capsys.readouterr().out
+    assert "const int MAX_STEPS = 99;" in lines
+    assert lines[-3:] == shot.scene.glsl(shot.camera).splitlines()[-3:]
+    assert main(["glsl", "blend", "-o", str(tmp_path / "blend.txt")]) == 1
+    assert "OUT must end in .glsl or .frag" in capsys.readouterr().err

@@ -21,6 +21,7 @@ LEVELS = 4
 EDGES = 0.03
 """Share of pixels that may see one."""
 
+
 def check(webgl: WebGl, scene: om.Scene | om.Shape, camera: Any = None, edges: float = EDGES, **options: Any) -> None:
     picture = webgl.picture(scene.glsl(camera, size=SIZE, **options), SIZE)
     with expected():

@@ -117,9 +117,9 @@ class Scene:
         """Return a picture of the scene as a fragment shader, in the manner of ShaderToy.
 
         GLSL ES 3.00 for WebGL 2, as browsers run it, with the function ``mainImage(out vec4 color, in vec2 pixel)``. It
-        needs ``iResolution`` and nothing else. Each node of the shape is a line with a name; materials, lights, shadows,
-        occlusion, the sky and reflections are those of `octomarch.render`, and so is the picture, up to roundings: hits
-        may lie elsewhere within the hit tolerance, and exact normals become differences over a short way.
+        needs ``iResolution`` and nothing else. Each node of the shape is a line with a name. Materials, lights,
+        shadows, occlusion, the sky and reflections are those of `octomarch.render`, and so is the picture, up to
+        roundings: hits may lie elsewhere within the hit tolerance, and exact normals become differences.
 
         Parameters
         ----------

@@ -1,6 +1,6 @@
 """Expressions as GLSL: one line of text for small ones, a line of their own for what is used more than once.
 
-`library` comes before it; `shapes` asks for fields and materials, `shader` for skies.
+`library` comes before it; `writer` asks for fields and materials, `shader` for skies.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The functions that shaders are put together from, and how numbers are written in GLSL. Comes before its neighbours."""
+"""The functions that shaders are put together from, and how numbers are written in GLSL. Comes before the others."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 """A scene as a fragment shader in the manner of ShaderToy. `Scene.glsl` and `Shape.glsl` call it.
 
-The shader is put together from text: constants; functions of library.glsl; fields, materials and the sky as `shapes` and
+It is put together from text: constants; functions of library.glsl; fields, materials and the sky as `writer` and
 `expressions` write them; then the march and the light of light.glsl, which are what docs/semantics.md says of pictures.
 """
 
@@ -14,7 +14,7 @@ from octomarch import _validate as check
 from octomarch.camera import AnyCamera, Camera, OrthographicCamera, axes, or_framing
 from octomarch.glsl.expressions import expressions
 from octomarch.glsl.library import blocks, needed, number, vector
-from octomarch.glsl.shapes import Writer
+from octomarch.glsl.writer import Writer
 from octomarch.lights import DirectionalLight, Light, SpotLight
 from octomarch.march import March
 from octomarch.program import Program, compile
@@ -26,7 +26,9 @@ from octomarch.shapes import Shape
 _ROUNDING = 16 * 2.0**-24  # of the hit epsilon, as in docs/semantics.md
 _MOST_STEPS = 2**24
 _STATUSES = {"MISS": 0, "HIT": 1, "CANDIDATE": 2, "NOTHING": 3}
-_EXACT = 0.05  # of the normal step: differences that stand in for exact normals should be near, but not drown in roundings
+_EXACT = (
+    0.05  # of the normal step: differences that stand in for exact normals should be near, but not drown in roundings
+)
 _NORMALS = {"exact": "slope_by_differences", "central": "slope_by_differences", "tetrahedron": "slope_by_tetrahedron"}
 
 
@@ -61,7 +63,11 @@ def shader(
     own = [*writer.images.sources, *writer.functions, sky]
     last = {name: blocks("light")[name] for name in ("normal_at", "radiance")}
     main = [
-        _march(march), _slope(program, shading), last["normal_at"], _lights(scene, program), last["radiance"],
+        _march(march),
+        _slope(program, shading),
+        last["normal_at"],
+        _lights(scene, program),
+        last["radiance"],
         _main(camera, program, march),
     ]
     library = [block for block in needed("light", main) if block not in last.values()]
@@ -98,7 +104,10 @@ def functions(shape: Shape) -> str:
     writer.surface(compile(shape).anchor)
     own = [*writer.images.sources, *writer.functions]
     constants = "\n".join(writer.constants)
-    return "\n\n".join([*needed("library", [*own, constants, "Material"]), *([constants] if constants else []), *own]) + "\n"
+    return (
+        "\n\n".join([*needed("library", [*own, constants, "Material"]), *([constants] if constants else []), *own])
+        + "\n"
+    )
 
 
 def _or_default(kind: type[Any], name: str, value: object) -> Any:
