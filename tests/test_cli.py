@@ -1,5 +1,6 @@
 """The command line, called as a function, and once as a program."""
 
+import json
 import os
 import re
 import signal
@@ -9,6 +10,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+import PIL.Image
 import pytest
 import trimesh
 
@@ -207,3 +209,120 @@ def test_glsl_of_a_scene_is_written(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert lines[-3:] == shot.scene.glsl(shot.camera).splitlines()[-3:]
     assert main(["glsl", "blend", "-o", str(tmp_path / "blend.txt")]) == 1
     assert "OUT must end in .glsl or .frag" in capsys.readouterr().err
+
+
+def test_an_output_that_nobody_reads_ends_quietly(tmp_path: Path):
+    shape = om.union(*(om.sphere(1.0, center=(3 * i, 0, 0)) for i in range(3000)))
+    om.Scene(shape).save(tmp_path / "a.json")
+    command = [sys.executable, "-m", "octomarch", "listing", str(tmp_path / "a.json")]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        process.stdout.readline()
+        process.stdout.close()
+        assert process.stderr.read() == ""
+    assert process.returncode == 141
+
+
+SCRIPT = """
+import octomarch as om
+from helper import radius
+
+ball = om.sphere(radius)
+number = 3
+
+
+def make(radius=radius):
+    return om.Scene(om.sphere(radius))
+
+
+def broken():
+    return om.sphere(-1)
+
+
+def greedy(what):
+    return what
+"""
+
+
+@pytest.fixture
+def script(tmp_path: Path) -> Path:
+    (tmp_path / "helper.py").write_text("radius = 2.0\n")
+    (tmp_path / "scene.py").write_text(SCRIPT)
+    (tmp_path / "wrong.py").write_text("import octomarch as om\nball = om.sphere(\n")
+    return tmp_path
+
+
+def test_names_of_scripts_are_shapes_scenes_and_functions(script: Path, capsys: pytest.CaptureFixture[str]):
+    for name in ("ball", "make"):
+        assert main(["listing", f"{script}/scene.py:{name}"]) == 0
+        assert "sphere" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("scene.py:bal", r"scene\.py defines nothing named bal; did you mean .*/scene\.py:ball\?"),
+        ("scene.py", r"scene\.py defines nothing named shot or scene or shape; it has .*/scene\.py:ball"),
+        ("scene.py:number", r"scene\.py:number must be a shape, a scene or a shot, .*, got 3"),
+        ("scene.py:broken", r"scene\.py:14: ValueError: radius must be .*, got -1"),
+        ("scene.py:greedy", r"scene\.py: TypeError: greedy\(\) missing 1 required .* 'what'"),
+        ("wrong.py:ball", r"wrong\.py:2: SyntaxError: '\(' was never closed"),
+        ("none.py:ball", r"there is no file .*/none\.py"),
+    ],
+)
+def test_what_is_wrong_in_scripts_is_one_line(
+    name: str, message: str, script: Path, capsys: pytest.CaptureFixture[str]
+):
+    assert main(["listing", f"{script}/{name}"]) == 1
+    assert re.fullmatch(f"octomarch: .*{message}\n", capsys.readouterr().err)
+
+
+def test_tracebacks_are_shown_where_asked_for(script: Path, capsys: pytest.CaptureFixture[str]):
+    assert main(["listing", f"{script}/scene.py:broken", "--traceback"]) == 1
+    error = capsys.readouterr().err
+    assert "Traceback" in error
+    assert error.splitlines()[-1].startswith("octomarch: ")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["rendr", "blend"], "invalid choice: 'rendr' .*; did you mean 'render'"),
+        (
+            ["render", "blend", "-o", "a.png", "--smaples", "4"],
+            "unrecognized arguments: --smaples 4; did you mean '--samples'",
+        ),
+        (["render", "blend", "-o", "a.png", "--crop", "1,2"], "--crop: must look like 0,0,320,240, got '1,2'"),
+        (["render", "blend", "-o", "a.png", "--jobs", "0"], "--jobs: must be a number of processes"),
+        (["render", "blend", "-o", "a.png", "--set", "march"], "--set: must look like march.max_steps=64, got 'march'"),
+        (["render", "blend", "-o", "a.png", "--jobs", "2", "--cluster", "x"], "not allowed with argument --jobs"),
+        (["render", "blend"], "the following arguments are required: -o/--output"),
+    ],
+)
+def test_usage_is_told_in_a_line(arguments: list[str], message: str, capsys: pytest.CaptureFixture[str]):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    assert re.fullmatch(rf"octomarch( \w+)?: .*{message}.*; see octomarch( \w+)? --help\n", capsys.readouterr().err)
+
+
+def test_info_of_a_scene_and_as_json(capsys: pytest.CaptureFixture[str]):
+    assert main(["info", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["ISAs"] == om.isas()
+    assert main(["info", "building", "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["instructions"] == om.compile(DEMOS["building"]().scene).instructions
+    assert main(["info", "blend"]) == 0
+    assert "PointLight" in capsys.readouterr().out
+
+
+def test_show_makes_a_picture_of_numbers(tmp_path: Path):
+    out = tmp_path / "steps.png"
+    assert (
+        main(["render", "blend", "-o", str(out), "--size", "48x27", "--show", "steps", "--map", "iterations", "-q"])
+        == 0
+    )
+    steps = DEMOS["blend"]().render(size=(48, 27), planes=("steps",)).steps
+    expected = np.minimum(5 * steps, 255)
+    assert (np.asarray(PIL.Image.open(out))[..., 0] == expected).all()

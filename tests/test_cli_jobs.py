@@ -2,8 +2,8 @@
 
 import os
 import signal
+import subprocess
 import sys
-import threading
 import time
 from pathlib import Path
 
@@ -59,10 +59,7 @@ def test_frames_survive_killed_processes(tmp_path: Path):
 
     def watch(done: int, _: int) -> None:
         if len(killed) < 2 and done >= (1, 4)[len(killed)]:
-            children = Path(f"/proc/{os.getpid()}/task/{threading.get_native_id()}/children").read_text().split()
-            workers = {int(task.name) for task in Path("/proc").glob("[0-9]*") if is_worker(task)} | set(
-                map(int, children)
-            )
+            workers = {int(task.name) for task in Path("/proc").glob("[0-9]*") if is_worker(task)}
             victim = sorted(workers - set(killed))[0]
             os.kill(victim, signal.SIGKILL)
             killed.append(victim)
@@ -95,3 +92,29 @@ def test_render_in_processes_has_the_same_bits(tmp_path: Path):
     assert main([*arguments, str(tmp_path / "there.exr"), "--jobs", "2"]) == 0
     here, there = (om.read_exr(tmp_path / name) for name in ("here.exr", "there.exr"))
     assert here.color.tobytes() == there.color.tobytes()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="signals are of POSIX")
+def test_ctrl_c_ends_processes_at_once_and_work_goes_on(tmp_path: Path):
+    """As a terminal sends it: to all processes."""
+    out = tmp_path / "large.exr"
+    SCENE.save(tmp_path / "scene.json")
+    size = ["--size", "4096x1024"]
+    command = [sys.executable, "-m", "octomarch", "render", str(tmp_path / "scene.json"), "-o", str(out), *size]
+    bands = tmp_path / ".large.exr.bands"
+    with subprocess.Popen(
+        [*command, "--jobs", "2", "--set", "samples=4"], stderr=subprocess.PIPE, text=True, start_new_session=True
+    ) as process:
+        while len(list(bands.glob("[0-9]*.exr"))) < 2:
+            assert process.poll() is None, process.stderr and process.stderr.read()
+            time.sleep(0.01)
+        os.killpg(process.pid, signal.SIGINT)
+        _, error = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert error == f"octomarch: {bands} has what is done; the same command goes on\noctomarch: interrupted\n"
+    assert not out.exists()
+    done = {band: band.stat().st_mtime_ns for band in bands.glob("[0-9]*.exr")}
+    assert main([*command[3:], "--set", "samples=4", "--bands", "-q"]) == 0
+    assert len(done) >= 2
+    assert not bands.exists()
+    assert om.read_exr(out).metadata["render"]["samples"] == 4

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import octomarch as om
+from octomarch.cli import main
 
 distributed = pytest.importorskip("distributed")
 
@@ -62,6 +63,31 @@ def test_frames_survive_killed_workers(client, tmp_path: Path):
     before = [path.stat().st_mtime_ns for path in serial]
     again = om.render_frames(SCENE, cameras, out=tmp_path / "serial_{}.exr", executor=client, **SETTINGS)
     assert [path.stat().st_mtime_ns for path in again] == before
+
+
+def test_the_command_renders_on_a_cluster(client, tmp_path: Path):
+    SCENE.save(tmp_path / "scene.json")
+    scene, address = str(tmp_path / "scene.json"), client.scheduler.address
+    arguments = ["--size", "60x40", "--frames", "4", "-q"]
+    assert main(["animate", scene, "-o", str(tmp_path / "here_{}.exr"), *arguments]) == 0
+    assert main(["animate", scene, "-o", str(tmp_path / "there_{}.exr"), *arguments, "--cluster", address]) == 0
+    for i in range(4):
+        here, there = (om.read_exr(tmp_path / f"{where}_{i}.exr") for where in ("here", "there"))
+        assert here.color.tobytes() == there.color.tobytes()
+
+
+def test_a_study_survives_a_killed_worker(client):
+    settings = {"size": (160, 120), "groups": ("series", "finish"), "truth": "float64", "rounds": 0}
+    here = om.study(SCENE, **settings)
+    killed: set[str] = set()
+
+    def watch(done: int, _: int) -> None:
+        if not killed and done >= 3:
+            killed.add(kill_a_worker_at_work(client))
+
+    there = om.study(SCENE, **settings, executor=client, progress=watch)
+    assert killed
+    assert str(there.table) == str(here.table)
 
 
 def test_cancelling_frees_the_cluster(client, tmp_path: Path):

@@ -125,7 +125,7 @@ def render_file(
         if not is_rendered(path, mark):
             if shot.crop is None:
                 look(Frame(shot, path, threads=threads, isa=isa))
-            folder = path.with_name(f".{path.name}.bands")
+            folder = bands_folder(path)
             folder.mkdir(exist_ok=True)
             rows = max(1, _PIXELS // (ROWS * window[2])) * ROWS
             frames = [
@@ -151,6 +151,17 @@ def render_file(
             shutil.rmtree(folder)
             remove_leftovers([path])
     return path
+
+
+def bands_folder(path: Path) -> Path:
+    """Return where the bands of a picture are until all are there.
+
+    Examples
+    --------
+    >>> bands_folder(Path("large.exr")).name
+    '.large.exr.bands'
+    """
+    return path.with_name(f".{path.name}.bands")
 
 
 def _path(out: object) -> Path:

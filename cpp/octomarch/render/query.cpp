@@ -49,14 +49,19 @@ void for_each_chunk(const Program& program, std::size_t count, std::size_t evalu
 /// An octree for many points, or for rays from them that go on for `reach`; null where they are too few to be worth one.
 template <class Real>
 std::shared_ptr<Octree<Real>> octree_for_points(const Program& program, const double* points, std::size_t count,
-                                                const March& march = {}, double reach = 0.0) {
+                                                const Listener& listener, const March& march = {}, double reach = 0.0) {
   constexpr std::size_t kMany = 4096;
   if (count < kMany || program.distance().code.size() > 64 * count) return nullptr;
   const Vec3& anchor = program.site().anchor;
   const double origin[3] = {anchor.x, anchor.y, anchor.z};
+  constexpr std::size_t kBetweenPolls = std::size_t{1} << 18;
   double farthest = 0.0;
-  for (std::size_t i = 0; i < 3 * count; ++i) {
-    if (std::isfinite(points[i])) farthest = std::max(farthest, std::fabs(points[i] - origin[i % 3]));
+  for (std::size_t i = 0; i < count; ++i) {
+    if (i % kBetweenPolls == 0 && listener.poll) listener.poll();
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const double at = points[3 * i + axis];
+      if (std::isfinite(at)) farthest = std::max(farthest, std::fabs(at - origin[axis]));
+    }
   }
   return octree_for<Real>(program, march, {}, 2.0 * farthest + reach);
 }
@@ -182,7 +187,7 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
 
 template <class Real>
 void query_distance(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
-  const auto octree = octree_for_points<Real>(program, points, count);
+  const auto octree = octree_for_points<Real>(program, points, count, how.listener);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
@@ -196,7 +201,7 @@ void query_distance(const Program& program, const double* points, std::size_t co
 
 template <class Real>
 void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
-  const auto octree = octree_for_points<Real>(program, points, count);
+  const auto octree = octree_for_points<Real>(program, points, count, how.listener);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
@@ -217,7 +222,7 @@ void query_gradient(const Program& program, const double* points, std::size_t co
 template <class Real>
 void query_material(const Program& program, const double* points, const double* normals, std::size_t count, Real* out,
                     const Execution& how) {
-  const auto octree = octree_for_points<Real>(program, points, count);
+  const auto octree = octree_for_points<Real>(program, points, count, how.listener);
   std::vector<std::optional<MaterialScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
@@ -241,7 +246,7 @@ template <class Real>
 void query_rays(const Program& program, const double* origins, const double* directions, std::size_t count,
                 const March& march, const Shading& shading, double t_max, const Hits<Real>& out, const Execution& how) {
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
-  const auto octree = octree_for_points<Real>(program, origins, count, march, march.max_distance);
+  const auto octree = octree_for_points<Real>(program, origins, count, how.listener, march, march.max_distance);
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, static_cast<std::size_t>(march.max_steps), how,

@@ -78,7 +78,7 @@ def _run(options: argparse.Namespace) -> None:
     paths = paths_of(options.keep or (folder / "{:06d}.png" if is_movie else path), len(requests))
     execution = common.execution(options)
     frames = [_frame(request, file, execution) for request, file in zip(requests, paths, strict=True)]
-    with common.executor(options) as executor:
+    with common.resumable(paths), common.executor(options) as executor:
         render_all(frames, executor, options.retries, execution["progress"])
     if is_movie:
         om.write_movie(path, paths, options.fps, quality=options.quality)

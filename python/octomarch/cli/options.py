@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -123,6 +123,19 @@ def executor(options: argparse.Namespace) -> Iterator[Executor | None]:
             yield client
     else:
         yield None
+
+
+@contextmanager
+def resumable(kept: Sequence[Path]) -> Iterator[None]:
+    """Say after Ctrl-C that the same command goes on, if any of the files is there that it goes on with."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        found = [path for path in kept if path.exists()]
+        if found:
+            more = f" and {len(found) - 1} more have" if len(found) > 1 else " has"
+            print(f"octomarch: {found[0]}{more} what is done; the same command goes on", file=sys.stderr)
+        raise
 
 
 def check_output(path: Path, *suffixes: str) -> None:

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import octomarch as om
+from octomarch.bands import bands_folder
 from octomarch.cli import options as common
 from octomarch.cli.parser import Commands, command
 from octomarch.exr import read_document
@@ -81,7 +82,7 @@ def _at_once(arguments: dict[str, Any], options: argparse.Namespace) -> tuple[tu
 
 
 def _in_bands(arguments: dict[str, Any], options: argparse.Namespace) -> tuple[tuple[int, int], dict[str, Any]]:
-    with common.executor(options) as executor:
+    with common.resumable([bands_folder(options.output)]), common.executor(options) as executor:
         path = om.render_file(**arguments, out=options.output, executor=executor, retries=options.retries)
     crop = arguments.get("crop")
     return tuple(crop[2:]) if crop else arguments["size"], read_document(os.fspath(path))["stats"]

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -88,14 +87,9 @@ def _measure(request: dict[str, Any], options: argparse.Namespace) -> None:
     names = ("scene", "camera", "size", "march", "shading", "precision")
     settings = {name: request[name] for name in names if name in request}
     given = {name: getattr(options, name) for name in ("groups", "truth", "far", "rounds")}
-    try:
-        with common.executor(options) as executor:
-            given |= {"executor": executor, "retries": options.retries, **common.execution(options)}
-            found = om.study(**settings, **given, resume=kept)
-    except KeyboardInterrupt:
-        if kept.exists():
-            print(f"octomarch: {kept} has what is done; the same command goes on", file=sys.stderr)
-        raise
+    with common.resumable([kept]), common.executor(options) as executor:
+        given |= {"executor": executor, "retries": options.retries, **common.execution(options)}
+        found = om.study(**settings, **given, resume=kept)
     found.save(options.output)
     if not options.quiet:
         print(f"{found}\n")
