@@ -240,6 +240,10 @@ def broken():
     return om.sphere(-1)
 
 
+def misspelt():
+    return om.shpere(1)
+
+
 def greedy(what):
     return what
 """
@@ -266,6 +270,7 @@ def test_names_of_scripts_are_shapes_scenes_and_functions(script: Path, capsys: 
         ("scene.py", r"scene\.py defines nothing named shot or scene or shape; it has .*/scene\.py:ball"),
         ("scene.py:number", r"scene\.py:number must be a shape, a scene or a shot, .*, got 3"),
         ("scene.py:broken", r"scene\.py:14: ValueError: radius must be .*, got -1"),
+        ("scene.py:misspelt", r"scene\.py:18: AttributeError: .* no attribute 'shpere'; did you mean 'sphere'\?"),
         ("scene.py:greedy", r"scene\.py: TypeError: greedy\(\) missing 1 required .* 'what'"),
         ("wrong.py:ball", r"wrong\.py:2: SyntaxError: '\(' was never closed"),
         ("none.py:ball", r"there is no file .*/none\.py"),

@@ -4,6 +4,9 @@ Whether the pictures are right is for other tests to say.
 """
 
 import json
+import re
+import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -208,3 +211,19 @@ def test_values_beyond_float32_give_no_nan(light, color):
     shape = BALL.paint(om.Material(color=color)) | om.plane(point=(0, -1, 0)).paint(om.Material(color=0.0))
     scene = om.Scene(shape, ambient=1e39, lights=[] if light is None else [light])
     assert not np.isnan(om.render(scene, CAMERA, SMALL).color).any()
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="limits of memory are of POSIX")
+def test_pictures_without_memory_say_what_does_with_little():
+    script = """
+import resource, octomarch as om
+resource.setrlimit(resource.RLIMIT_AS, (2**31, 2**31))
+try:
+    om.render(om.sphere(1.0), size=(16384, 16384), planes=("color", "depth"), threads=1)
+except MemoryError as error:
+    print(error)
+"""
+    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True)
+    assert re.match(
+        "no memory for 16384×16384 pixels with the planes color, depth: octomarch.render_file needs little", done.stdout
+    )

@@ -91,6 +91,8 @@ def render(
         If an argument is of a wrong type or outside its range; an unknown name is answered with those there are.
     SceneError
         If the shape cannot be compiled.
+    MemoryError
+        If there is none for the planes; `octomarch.render_file` needs little.
     KeyboardInterrupt, CancelledError
         Ctrl-C and `Progress.cancel` stop a render at once.
 
@@ -128,7 +130,11 @@ def render(
 
     view = View(program, camera, (width, height), march)
     with reporting(progress, "render", " rays", window[2] * window[3] * rays) as report:
-        arrays, stats = take(view, window, rays, names, report)
+        try:
+            arrays, stats = take(view, window, rays, names, report)
+        except MemoryError as error:
+            pixels = f"{window[2]}×{window[3]} pixels with the planes {', '.join(names)}"
+            raise MemoryError(f"no memory for {pixels}: octomarch.render_file needs little ({error})") from error
     if crop is None:
         warn_if_empty(view, arrays, stats, lambda less: take(less, (0, 0, *less.size), 1, ["status"])[0]["status"])
     settings = {

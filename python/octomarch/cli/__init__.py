@@ -71,7 +71,7 @@ def _status(options: argparse.Namespace) -> Exit:
     except om.FramesError as error:
         return _failed(error, Exit.PART, options.traceback)
     except MemoryError as error:
-        return _failed(f"not enough memory {error}".rstrip(), Exit.ERROR, options.traceback)
+        return _failed(f"{error}" or "there is not enough memory", Exit.ERROR, options.traceback)
     except (OSError, ValueError, TypeError, ImportError, om.SceneError, ScriptError) as error:
         return _failed(error, Exit.ERROR, options.traceback)
     return Exit.OK

@@ -98,6 +98,8 @@ def _blaming(path: str) -> Iterator[None]:
         lines = [frame.lineno for frame in traceback.extract_tb(error.__traceback__) if frame.filename == path]
         line = error.lineno if isinstance(error, SyntaxError) and is_syntax else lines[-1] if lines else None
         told = error.msg if isinstance(error, SyntaxError) else str(error)
+        if isinstance(error, AttributeError) and error.name and (meant := nearest(error.name, dir(error.obj))):
+            told += f"; did you mean {meant!r}?"
         place = path if line is None else f"{path}:{line}"
         raise ScriptError(f"{place}: {type(error).__name__}{f': {told}' if told else ''}") from error
 
