@@ -155,7 +155,10 @@ def test_sliders_change_what_a_picture_costs(make: Callable[..., Front]):
     assert front.engine.view.march == om.March("plain", max_steps=5, pixel_tolerance=2.0)
     assert after["evaluations"] < before["evaluations"] / 2
     assert after["statuses"]["STEP_LIMIT"] > before["statuses"].get("STEP_LIMIT", 0)
+    front.told.clear()
     front.input(march=None)
+    state, _ = front.wait(lambda message: message["kind"] == "state")
+    assert all(slider["is_default"] for slider in state["sliders"].values())
     assert front.engine.view.march == om.March("plain")
 
 

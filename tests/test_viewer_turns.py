@@ -97,6 +97,26 @@ def test_a_cancelled_turn_is_no_error():
     queue.close()
 
 
+def test_errors_are_told_and_work_goes_on(monkeypatch: pytest.MonkeyPatch):
+    told: list[threading.ExceptHookArgs] = []
+    monkeypatch.setattr(threading, "excepthook", told.append)
+    done = threading.Event()
+
+    def work(_: Turn) -> None:
+        if not told:
+            raise ValueError("not today")
+        done.set()
+
+    queue = Turns(work)
+    queue.ask()
+    while not told:
+        pass
+    queue.ask()
+    assert done.wait(PATIENCE)
+    queue.close()
+    assert str(told[0].exc_value) == "not today"
+
+
 def test_closing_ends_the_turn_and_the_thread(desk: Desk):
     desk.queue.ask()
     turn = desk.wait()

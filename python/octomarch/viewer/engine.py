@@ -147,6 +147,8 @@ class Engine:
         plane = message.get("plane", view.plane)
         if camera != view.camera or march != view.march or plane != view.plane:
             self._view = view_of(view.scene, camera, view.size, march, view.shading, plane)
+        if "march" in message and message["march"] is None:
+            self._send(messages.state(self._view))  # back to the defaults, which the sliders have to show
         if "pick" in message:
             self._clicks.append(_pixel(view.size, *check.pair("pick", message["pick"])))
 

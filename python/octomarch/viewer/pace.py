@@ -53,10 +53,12 @@ class Pace:
     >>> pace = Pace(budget=0.02)
     >>> pace.quality.scale
     2
-    >>> for _ in range(3):
-    ...     pace.took(0.09)  # seconds
+    >>> pace.took(0.09)  # seconds
     >>> pace.quality.scale
     6
+    >>> pace.took(0.001)
+    >>> pace.quality.scale
+    2
     """
 
     def __init__(self, budget: float = 0.02) -> None:
@@ -78,8 +80,7 @@ class Pace:
         for place, quality in enumerate(COARSE):
             if self._expected(quality) <= (self.budget * _CERTAIN if place < now else self.budget):
                 break
-        if place < now or len(self._lit if self.quality.is_lit else self._plain) == _RECENT:
-            self.quality = quality
+        self.quality = quality
 
     def _expected(self, quality: Quality) -> float:
         """Return how many seconds a picture is thought to take."""

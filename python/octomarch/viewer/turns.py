@@ -7,7 +7,7 @@ however often was asked meanwhile.
 from __future__ import annotations
 
 import atexit
-import contextlib
+import sys
 import threading
 import weakref
 from collections.abc import Callable
@@ -58,8 +58,7 @@ class Turn:
 class Turns:
     """Calls ``work(turn)`` on a thread of its own as often as it is asked to, but never twice for the same news.
 
-    The thread begins when first asked. What the work raises ends the thread: it should tell of errors itself, but for
-    `CancelledError`, which ends the turn.
+    The thread begins when first asked. What the work raises ends the turn; `CancelledError` does so silently.
 
     Examples
     --------
@@ -114,8 +113,12 @@ class Turns:
                 turn, self._waiting = self._waiting, None
                 self._running = turn
             assert turn is not None
-            with contextlib.suppress(CancelledError):
+            try:
                 self._work(turn)
+            except CancelledError:
+                pass
+            except Exception:  # told as that of any thread, but this one goes on
+                threading.excepthook(threading.ExceptHookArgs((*sys.exc_info(), threading.current_thread())))
 
 
 def _close_at_exit(turns: Turns) -> None:

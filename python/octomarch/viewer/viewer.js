@@ -22,6 +22,7 @@ const RATE_SECONDS = 1;
 // Inputs that may be in flight: one is rendered, the next on its way. Jupyter's server leaves Nagle's algorithm on, which
 // holds a picture back until the browser has acknowledged the short message before: for 40 ms, or until it sends something.
 const WINDOW = 2;
+const LOST_MILLISECONDS = 5000; // after which an input is not waited for any more: kernels may be interrupted
 
 function element(tag, properties = {}, ...children) {
   const made = Object.assign(document.createElement(tag), properties);
@@ -44,10 +45,13 @@ class Inputs {
     this.client = Math.random().toString(36).slice(2); // there may be other front ends
     this.number = 0;
     this.lastAnswered = 0;
+    this.sentAt = 0;
+    this.since = new Map(); // when what an input brings was first done
+    this.delay = 0; // milliseconds from the hand to the last answer
   }
 
   add(change) {
-    const sum = (this.sum ??= {});
+    const sum = (this.sum ??= { since: performance.now() });
     for (const way of ["orbit", "pan"]) {
       if (change[way]) sum[way] = [0, 1].map((i) => (sum[way]?.[i] ?? 0) + change[way][i]);
     }
@@ -60,14 +64,22 @@ class Inputs {
   }
 
   go() {
-    if (!this.sum || this.number - this.lastAnswered >= WINDOW) return;
+    const isLost = performance.now() - this.sentAt > LOST_MILLISECONDS;
+    if (!this.sum || (this.number - this.lastAnswered >= WINDOW && !isLost)) return;
     this.number += 1;
-    this.send({ kind: "input", client: this.client, number: this.number, ...this.sum });
+    this.sentAt = performance.now();
+    const { since, ...what } = this.sum;
+    this.since.set(this.number, since);
+    this.send({ kind: "input", client: this.client, number: this.number, ...what });
     this.sum = null;
   }
 
   answered(answers) {
-    this.lastAnswered = answers[this.client] ?? this.lastAnswered;
+    const number = answers[this.client] ?? this.lastAnswered;
+    if (number > this.lastAnswered) {
+      this.delay = performance.now() - this.since.get(this.lastAnswered + 1);
+      while (this.lastAnswered < number) this.since.delete((this.lastAnswered += 1));
+    }
     this.go();
   }
 }
@@ -174,20 +186,21 @@ function numbers() {
     row("error", "error, median | p95", "of depth in scene units, over sampled rays, against the scalar reference in float64"),
     row("wrong", "wrong rays", "that hit where nothing is, or miss a surface"),
     row("statuses", "rays", "what became of them"),
-    row("picture", "picture", "how fine it is, and how many come a second"));
+    row("picture", "picture", "how fine it is, how many come a second, and how long after the hand"));
   const showErrors = (errors) => {
     cells.error.value = errors ? `${written(errors.p50, 2)} | ${written(errors.p95, 2)}` : "…";
     const wrong = errors && errors.false_hits + errors.false_misses;
     cells.wrong.value = errors ? `${wrong} of ${errors.rays}` : "…";
   };
-  const show = (message, rate) => {
+  const show = (message, rate, delay) => {
     cells.evaluations.value = written(message.evaluations);
     cells.milliseconds.value = written(message.milliseconds);
     const all = message.size[0] * message.size[1];
     cells.statuses.value = Object.entries(message.statuses)
       .map(([name, count]) => `${written((100 * count) / all, 2)} % ${name.toLowerCase().replace("_", " ")}`).join(", ");
     const fine = message.samples > 1 ? `, ${message.samples} rays a pixel` : message.is_lit ? "" : ", no shadows";
-    cells.picture.value = `${message.size.join("×")}${fine}${rate ? `, ${rate.toFixed(0)} a second` : ""}`;
+    const live = rate ? `, ${rate.toFixed(0)} a second, ${delay.toFixed(0)} ms after the hand` : "";
+    cells.picture.value = `${message.size.join("×")}${fine}${live}`;
     showErrors(message.errors);
   };
   return { table, show, showErrors };
@@ -269,8 +282,8 @@ function render({ model, el }) {
     bitmap.close();
     failure.hidden = true;
     legend.replaceChildren(...legendRow(message.legend));
-    beside.show(message, message.is_last ? (times.length = 0) : rate());
-    Object.assign(canvas.dataset, { frames: number, last: message.is_last, plane: message.plane });
+    beside.show(message, message.is_last ? (times.length = 0) : rate(), inputs.delay);
+    Object.assign(canvas.dataset, { frames: number, last: message.is_last, delay: inputs.delay });
   };
 
   const onPicked = (message) => {
