@@ -187,12 +187,13 @@ def test_the_command_follows_its_file_until_interrupted(tmp_path: Path):
         assert "SyntaxError" in page.hear("error")[0]["text"]
         time.sleep(0.01)
         script.write_text("import octomarch as om\nscene = om.box(1.0)\n")
+        assert "SyntaxError" in running.stdout.readline()
+        assert running.stdout.readline() == "shown anew\n"
         page.hear("frame")
         page.close()
         running.send_signal(signal.SIGINT)
         output, errors = running.communicate(timeout=PATIENCE)
-    assert (running.returncode, errors) == (0, "")
-    assert "shown anew" in output
+    assert (running.returncode, output, errors) == (0, "\n", "")
 
 
 @pytest.mark.parametrize(

@@ -170,9 +170,9 @@ class _Request(BaseHTTPRequestHandler):
         self.send_response(HTTPStatus.OK)
         self.send_header("Content-Type", "application/octet-stream")
         self.send_header("Cache-Control", "no-store")
-        self.end_headers()
-        listener = server.listen()
+        listener = server.listen()  # before the page knows, so that it misses nothing
         try:
+            self.end_headers()
             while True:
                 try:
                     told = listener.get(timeout=_SILENCE)
