@@ -36,8 +36,8 @@ def measure(name: str, method: Method, truth: Brackets, size: tuple[int, int]) -
     return {
         "case": name,
         "method": method,
-        "primary": image.stats["primary_evaluations"] / rays,
-        "cones": image.stats["cone_evaluations"] / rays,
+        "primary": image.stats["stages"]["primary"]["evaluations"] / rays,
+        "cones": image.stats["stages"]["cones"]["evaluations"] / rays,
         "false_misses": int((miss & np.isin(truth.status, [Verdict.HIT, Verdict.INSIDE])).sum()),
         "false_hits": int((hit & (truth.status == Verdict.MISS)).sum()),
         "undecided": int((image.status == om.Status.STEP_LIMIT).sum()),

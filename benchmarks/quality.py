@@ -54,7 +54,7 @@ def measure(scene: om.Scene, truth: om.Image, max_steps: int, far: float | None)
     return Row(
         max_steps=max_steps,
         max_distance=far,
-        evaluations_per_ray=image.stats["primary_evaluations"] / image.stats["rays"],
+        evaluations_per_ray=image.stats["stages"]["primary"]["evaluations"] / image.stats["rays"],
         step_limit=float((image.status == om.Status.STEP_LIMIT).mean()),
         false_misses=int((wanted & (image.status == om.Status.MISS)).sum()),
         false_hits=int((hit & ~wanted).sum()),

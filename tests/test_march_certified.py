@@ -150,7 +150,7 @@ def test_all_instruction_sets_and_parts_of_programs_give_the_same_bits(isa: str,
         for plane in ("depth", "status", "steps"):
             np.testing.assert_array_equal(getattr(pictures[0], plane), getattr(pictures[1], plane))
         assert (pictures[0].status == Status.STEP_LIMIT).mean() < 0.05
-        assert pictures[0].stats["cone_evaluations"] == 0
+        assert pictures[0].stats["stages"]["cones"]["evaluations"] == 0
 
 
 def test_pictures_are_those_of_the_truth():

@@ -206,8 +206,8 @@ def test_longer_steps_and_cones_need_fewer_evaluations(name: str):
     counts = {}
     for method in METHODS:
         stats = picture(name, method=method).stats
-        counts[method] = stats["primary_evaluations"] + stats["cone_evaluations"]
-        assert (stats["cone_evaluations"] > 0) == (method == "auto")
+        counts[method] = stats["stages"]["primary"]["evaluations"] + stats["stages"]["cones"]["evaluations"]
+        assert (stats["stages"]["cones"]["evaluations"] > 0) == (method == "auto")
     assert counts["auto"] < 0.8 * counts["enhanced"]
     assert counts["enhanced"] < 0.85 * counts["plain"]
     assert counts["relaxed"] < 1.1 * counts["plain"]

@@ -258,8 +258,8 @@ def test_the_finish_of_fixed_steps_is_counted(isa: str):
     assert_array_equal(image.steps, plain.steps)
     hits = (image.status == om.Status.HIT).sum()
     assert hits > 100
-    assert plain.stats["primary_evaluations"] == plain.steps.sum()
-    assert image.stats["primary_evaluations"] == image.steps.sum() + 10 * hits
+    assert plain.stats["stages"]["primary"]["evaluations"] == plain.steps.sum()
+    assert image.stats["stages"]["primary"]["evaluations"] == image.steps.sum() + 10 * hits
 
 
 @pytest.mark.parametrize("distance", [3.0, 1000.0])

@@ -82,7 +82,7 @@ BETWEEN = om.OrthographicCamera((0, 2, 0), (0, 0, 0), up=(0, 0, -1), height=1)
 def test_facing_mirrors_reflect_as_often_as_bounces_say(bounces: int, isa: str, precision: str):
     image = picture(FACING, BETWEEN, isa, precision=precision, size=(8, 8), bounces=bounces, reflection_cutoff=0)
     assert_array_equal(image.color, 1)  # shares of 1/2, 1/4 … and the rest of a white last one
-    assert image.stats["reflection_rays"] == 64 * bounces
+    assert image.stats["stages"]["reflection"]["count"] == 64 * bounces
 
 
 def test_each_bounce_is_weighted_by_the_reflectivities_before(isa: str, precision: str):
@@ -96,7 +96,7 @@ def test_each_bounce_is_weighted_by_the_reflectivities_before(isa: str, precisio
 @pytest.mark.parametrize(("cutoff", "rays"), [(0.3, 1), (0.25, 2), (0.2, 2), (0.125, 3), (0.51, 0)])
 def test_reflections_below_the_cutoff_are_not_followed(cutoff: float, rays: int, isa: str):
     image = picture(FACING, BETWEEN, isa, size=(8, 8), bounces=8, reflection_cutoff=cutoff)
-    assert image.stats["reflection_rays"] == 64 * rays
+    assert image.stats["stages"]["reflection"]["count"] == 64 * rays
     assert_array_equal(image.color, 1)
 
 
@@ -127,7 +127,7 @@ def test_reflectivity_may_change_from_point_to_point(isa: str):
     left = image.position[..., 0] < 0
     assert_array_equal(image.color[left], 0.75)
     assert_array_equal(image.color[~left], 0.5)
-    assert image.stats["reflection_rays"] == left.sum()
+    assert image.stats["stages"]["reflection"]["count"] == left.sum()
 
 
 def test_reflectivities_beyond_their_range_are_clamped(isa: str):
@@ -181,9 +181,9 @@ def test_reflections_are_those_of_the_reference(precision: str):
 
 def test_counts_of_reflections_are_those_of_their_rays(isa: str):
     stats = om.render(SCENE, CAMERA, (80, 60), isa=isa, **OPTIONS).stats
-    assert 0 < stats["reflection_rays"] < 3 * stats["rays"]
-    assert stats["reflection_evaluations"] >= stats["reflection_rays"]
-    assert stats["packets"] * 8 >= stats["rays"] + stats["shadow_rays"] + stats["reflection_rays"]
+    assert 0 < stats["stages"]["reflection"]["count"] < 3 * stats["rays"]
+    assert stats["stages"]["reflection"]["evaluations"] >= stats["stages"]["reflection"]["count"]
+    assert stats["packets"] * 8 >= stats["rays"] + stats["stages"]["shadow"]["count"] + stats["stages"]["reflection"]["count"]
     assert stats["seconds_reflect"] > 0
 
 

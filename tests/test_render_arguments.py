@@ -84,7 +84,7 @@ def test_orthographic_pictures_keep_sizes():
 def test_stats_count_rays():
     image = om.render(om.Scene(BALL), CAMERA, SMALL)
     assert image.stats["rays"] == 24 * 16
-    assert image.stats["shadow_rays"] == 0
+    assert image.stats["stages"]["shadow"]["count"] == 0
     assert image.stats["isa"] == om.isas()[0]
 
 

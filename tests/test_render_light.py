@@ -92,7 +92,7 @@ def test_long_steps_cast_the_shadows_of_plain_ones_with_half_the_work(shape: om.
     assert (plain.color[..., 0] < 0.25 * plain.color.max()).mean() > 0.01  # there is a shadow
     assert difference.mean() < 2e-3 * plain.color.max()
     assert (difference > 0.1 * plain.color.max()).mean() < 5e-3
-    assert long.stats["shadow_evaluations"] < 0.6 * plain.stats["shadow_evaluations"]
+    assert long.stats["stages"]["shadow"]["evaluations"] < 0.6 * plain.stats["stages"]["shadow"]["evaluations"]
 
 
 @pytest.mark.parametrize("shadows", ["hard", "soft"])

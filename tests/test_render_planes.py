@@ -25,14 +25,14 @@ ALL = tuple(PLANES)
 def test_counts_of_the_march_are_those_of_its_rays(isa: str):
     march = om.March("enhanced", finish=None)
     image = om.render(BALL, CAMERA, SIZE, planes="steps", march=march, isa=isa)
-    assert image.stats["primary_evaluations"] == image.steps.sum()
+    assert image.stats["stages"]["primary"]["evaluations"] == image.steps.sum()
     blocks = -(-SIZE[0] // 8) * -(-SIZE[1] // 8)
     assert image.stats["packets"] == 8 * blocks
     assert 0 < image.stats["occupancy"] <= 1
     assert image.steps.min() >= 1
     finished = om.render(BALL, CAMERA, SIZE, planes=("steps", "status"), march=om.March("enhanced"), isa=isa)
     assert_array_equal(finished.steps, image.steps)
-    more = finished.stats["primary_evaluations"] - image.steps.sum()
+    more = finished.stats["stages"]["primary"]["evaluations"] - image.steps.sum()
     assert 0 < more <= (finished.status == om.Status.HIT).sum()
 
 

@@ -12,15 +12,7 @@ from test_render_crop import CAMERAS, SCENE
 
 SIZE = (21, 18)
 DATA = tuple(name for name in PLANES if name != "color")
-COUNTS = (
-    "rays",
-    "primary_evaluations",
-    "gradient_evaluations",
-    "attribute_evaluations",
-    "occlusion_evaluations",
-    "shadow_rays",
-    "shadow_evaluations",
-)
+STAGES = ("primary", "normals", "objects", "occlusion", "shadow")
 
 
 def pattern(count: int) -> list[tuple[int, int]]:
@@ -102,7 +94,9 @@ def test_data_are_those_of_the_centre(samples: int, isa: str):
 
 def counts(planes: tuple[str, ...], isa: str, **options) -> dict[str, int]:
     stats = om.render(SCENE, CAMERAS["perspective"], SIZE, planes=planes, isa=isa, **options).stats
-    return {name: stats[name] for name in COUNTS}
+    stages = stats["stages"]
+    evaluations = {name: stages[name]["evaluations"] for name in STAGES}
+    return {"rays": stats["rays"], "shadow rays": stages["shadow"]["count"], **evaluations}
 
 
 def test_one_sample_costs_nothing_more(isa: str):
@@ -119,7 +113,7 @@ def test_samples_without_colours_cost_nothing(isa: str):
 def test_data_beside_samples_cost_one_pass(data: tuple[str, ...], isa: str):
     colors, alone = counts(("color",), isa, samples=4), counts(data, isa)
     assert colors["rays"] == 4 * SIZE[0] * SIZE[1]
-    assert counts(("color", *data), isa, samples=4) == {name: colors[name] + alone[name] for name in COUNTS}
+    assert counts(("color", *data), isa, samples=4) == {name: n + alone[name] for name, n in colors.items()}
 
 
 # Arguments -----------------------------------------------------------------------------------------------------------

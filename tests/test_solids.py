@@ -59,8 +59,8 @@ def test_solids_cost_their_neighbours_and_no_occlusion(isa: str):
     scene = om.Scene(BALL, lights=[om.DirectionalLight((-1, -2, -1))], ambient=0.5)
     image = om.render(scene, CAMERA, SIZE, planes=PLANES, march=MARCH, isa=isa)
     hits = (image.status == om.Status.HIT).sum()
-    assert image.stats["gradient_evaluations"] == 256 * hits
-    assert image.stats["occlusion_evaluations"] == 0
+    assert image.stats["stages"]["normals"]["evaluations"] == 256 * hits
+    assert image.stats["stages"]["occlusion"]["evaluations"] == 0
 
 
 def test_shadows_of_solids_are_hard(isa: str):

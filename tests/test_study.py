@@ -57,7 +57,7 @@ def test_rows_say_what_a_render_says(whole: om.Study):
             precision=row.precision,
             planes=("color", "depth", "normal", "status"),
         )
-        counted = image.stats["primary_evaluations"] + image.stats["cone_evaluations"]
+        counted = image.stats["stages"]["primary"]["evaluations"] + image.stats["stages"]["cones"]["evaluations"]
         assert row.evaluations == counted / image.stats["rays"]
         assert row.hit == (image.status == om.Status.HIT).sum()
         assert row.hit + row.miss + row.step_limit + row.inside + row.invalid == SIZE[0] * SIZE[1]

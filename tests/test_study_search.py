@@ -69,7 +69,7 @@ def test_less_error_costs_more():
     counted = [measured.evaluations for measured in costs]
     assert counted[0] < counted[1] <= counted[2] + SAMPLING
     default = om.render(shape, camera, SMALL, planes=("depth",)).stats
-    of_defaults = (default["primary_evaluations"] + default["cone_evaluations"]) / default["rays"]
+    of_defaults = (default["stages"]["primary"]["evaluations"] + default["stages"]["cones"]["evaluations"]) / default["rays"]
     assert counted[1] < of_defaults  # which are finer than that
 
 
@@ -81,7 +81,7 @@ def test_settings_are_the_cheapest_of_those_that_meet_the_target():
     for tolerance in (8.0, 4.0, 2.0, 1.0, 0.5, 0.2, 0.1):
         other = om.March(pixel_tolerance=tolerance)
         image = om.render(shape, camera, (64, 48), march=other, planes=("depth", "status"))
-        cost = (image.stats["primary_evaluations"] + image.stats["cone_evaluations"]) / image.stats["rays"]
+        cost = (image.stats["stages"]["primary"]["evaluations"] + image.stats["stages"]["cones"]["evaluations"]) / image.stats["rays"]
         if cost < march.measured.evaluations - 0.01:
             assert percentiles(ray_errors(image.depth, truth))[1] > 1e-3
 

@@ -72,15 +72,17 @@ def summed(stats: Sequence[Metadata]) -> dict[str, Any]:
 
     Examples
     --------
-    >>> summed([{"rays": 3, "packets": 1, "occupancy": 0.5}, {"rays": 4, "packets": 3, "occupancy": 1.0}])
-    {'rays': 7, 'packets': 4, 'occupancy': 0.875}
+    >>> summed([{"evaluations": 4, "occupancy": 0.5}, {"evaluations": 12, "occupancy": 1.0}])
+    {'evaluations': 16, 'occupancy': 0.8}
     """
     result: dict[str, Any] = {}
-    packets = [max(band.get("packets", 0), 1) for band in stats]
     for name, first in stats[0].items():
         values = [band.get(name, first) for band in stats]
-        if name == "occupancy":
-            result[name] = sum(n * value for n, value in zip(packets, values, strict=True)) / sum(packets)
+        if isinstance(first, Mapping):
+            result[name] = summed(values)
+        elif name == "occupancy":
+            lanes = sum(band["evaluations"] / band[name] for band in stats if band["evaluations"])
+            result[name] = sum(band["evaluations"] for band in stats) / lanes if lanes else 1.0
         elif name in ("threads", "cells", "cell_bytes"):
             result[name] = max(values)
         elif isinstance(first, str):

@@ -77,7 +77,8 @@ def warn_if_empty(view: View, arrays: Arrays, stats: Mapping[str, Any], look: Ca
     >>> import octomarch as om
     >>> ball, camera = om.compile(om.sphere(1.0)), om.Camera((0, 0, 4), (0, 0, 0))
     >>> view = View(ball, camera, (64, 48), om.March().resolve(ball, camera.eye))
-    >>> warn_if_empty(view, {"depth": np.ones((48, 64))}, {"rays": 1, "primary_evaluations": 1}, lambda view: None)
+    >>> stats = {"rays": 1, "stages": {"primary": {"evaluations": 1}}}
+    >>> warn_if_empty(view, {"depth": np.ones((48, 64))}, stats, lambda view: None)
     """
     if _expected.get() or not _may_be_empty(view.march, arrays, stats):
         return
@@ -106,12 +107,12 @@ def expected() -> Iterator[None]:
 
 def _may_be_empty(march: March, arrays: Arrays, stats: Mapping[str, Any]) -> bool:
     """Tell whether most rays may have spent their steps, or none may show a surface that it met on its way."""
-    if stats["primary_evaluations"] > _MOST * stats["rays"] * (march.max_steps or 0):
+    if stats["stages"]["primary"]["evaluations"] > _MOST * stats["rays"] * (march.max_steps or 0):
         return True
     if "status" in arrays:
         return not (arrays["status"] == Status.HIT).any()
     if "color" in arrays or "normal" in arrays:
-        return bool(stats["gradient_evaluations"] == 0)
+        return bool(stats["stages"]["normals"]["evaluations"] == 0)
     if "depth" in arrays:
         depth = arrays["depth"]
         return not ((depth != np.inf) & (depth != march.min_distance)).any()

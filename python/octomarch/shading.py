@@ -63,7 +63,7 @@ class Shading:
     --------
     >>> import octomarch as om
     >>> draft = om.Shading(shadows="none", occlusion=0)
-    >>> om.render(om.sphere(1.0), size=(32, 24), shading=draft).stats["shadow_rays"]
+    >>> om.render(om.sphere(1.0), size=(32, 24), shading=draft).stats["stages"]["shadow"]["count"]
     0
     """
 

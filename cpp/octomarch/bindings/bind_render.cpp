@@ -34,37 +34,50 @@ Planes<Real> planes_named(const std::vector<std::string>& names, Results& result
   return planes;
 }
 
+double occupancy(const kernels::Counters& work) {
+  return work.lane_slots == 0 ? 1.0 : static_cast<double>(work.evaluations) / static_cast<double>(work.lane_slots);
+}
+
+py::dict stage_dict(const StageStats& stage) {
+  py::dict dict;
+  dict["count"] = stage.count;
+  dict["evaluations"] = stage.work.evaluations;
+  dict["instructions"] = stage.work.instructions;
+  dict["occupancy"] = occupancy(stage.work);
+  dict["packets"] = stage.work.packets;
+  dict["refills"] = stage.work.refills;
+  dict["cells_visited"] = stage.cells_visited;
+  dict["cells_made"] = stage.cells_made;
+  dict["seconds_cells"] = stage.cell_seconds;
+  dict["seconds"] = stage.seconds;
+  return dict;
+}
+
 py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned threads, const std::string& precision,
                     double seconds) {
-  const kernels::Counters& primary = stats.primary;
-  kernels::Counters marches;
-  for (const kernels::Counters* part : {&stats.cones, &primary, &stats.shadow, &stats.reflection}) add(marches, *part);
+  StageStats all;
+  py::dict stages;
+  for (const NamedStage& stage : kStages) {
+    all += stats.*stage.stats;
+    stages[stage.name] = stage_dict(stats.*stage.stats);
+  }
   py::dict dict;
   dict["isa"] = isa.name;
   dict["precision"] = precision;
   dict["threads"] = threads;
-  dict["rays"] = stats.rays;
-  dict["cone_evaluations"] = stats.cones.evaluations;
-  dict["primary_evaluations"] = primary.evaluations;
-  dict["gradient_evaluations"] = stats.gradient_evaluations;
-  dict["attribute_evaluations"] = stats.attribute_evaluations;
-  dict["surface_evaluations"] = stats.surface_evaluations;
-  dict["sky_evaluations"] = stats.sky_evaluations;
-  dict["occlusion_evaluations"] = stats.occlusion_evaluations;
-  dict["shadow_rays"] = stats.shadow_rays;
-  dict["shadow_evaluations"] = stats.shadow.evaluations;
-  dict["reflection_rays"] = stats.reflection_rays;
-  dict["reflection_evaluations"] = stats.reflection.evaluations;
-  dict["packets"] = marches.packets;
-  const auto used = static_cast<double>(marches.evaluations);
-  dict["occupancy"] = marches.lane_slots == 0 ? 1.0 : used / static_cast<double>(marches.lane_slots);
-  dict["instructions"] = marches.instructions;
-  dict["cells"] = stats.cells;
+  dict["rays"] = stats.primary.count;
+  dict["evaluations"] = all.work.evaluations;
+  dict["instructions"] = all.work.instructions;
+  dict["occupancy"] = occupancy(all.work);
+  dict["packets"] = all.work.packets;
+  dict["cells"] = all.cells_made;
   dict["cell_bytes"] = stats.cell_bytes;
+  dict["seconds_cells"] = all.cell_seconds;
   dict["seconds_march"] = stats.seconds_march;
   dict["seconds_shade"] = stats.seconds_shade;
   dict["seconds_reflect"] = stats.seconds_reflect;
   dict["seconds"] = seconds;
+  dict["stages"] = stages;
   return dict;
 }
 

@@ -107,7 +107,17 @@ struct Counters {
   std::uint64_t evaluations = 0;   ///< of the field, at live lanes
   std::uint64_t lane_slots = 0;    ///< lanes that were computed for them, live or not
   std::uint64_t packets = 0;       ///< packets that were loaded
+  std::uint64_t refills = 0;       ///< those of them that took the slot of one that had ended
   std::uint64_t instructions = 0;  ///< at those lanes; counted by whoever knows how long the tape is
+
+  Counters& operator+=(const Counters& part) {
+    evaluations += part.evaluations;
+    lane_slots += part.lane_slots;
+    packets += part.packets;
+    refills += part.refills;
+    instructions += part.instructions;
+    return *this;
+  }
 };
 
 /// What stopped a ray that is being marched.
@@ -145,6 +155,13 @@ struct ConeView {
   Real* epsilon;  ///< the largest of the rays'
   Real* t_max;    ///< likewise
   Real* t;
+};
+
+/// Half-spaces: the distance is x·e₀ + y·e₁ + z·e₂ + e₃, e₀ … e₂ being a unit normal.
+template <class Real>
+struct PlanesView {
+  const Real* equations;  ///< four numbers after four numbers
+  std::size_t count;
 };
 
 /// A pinhole or parallel camera: pixel (i, j) looks along, or from, corner + (i + point₀)·right + (j + point₁)·down.
@@ -234,6 +251,18 @@ struct KernelTable {
   /// 64 at the most; returns which go on, the others being so narrow that rays gain little.
   std::uint64_t (*step_cones)(const ConeView<Real>&, const MarchParameters<Real>&, const Real* field,
                               std::uint64_t live);
+  /// `met`: the t at which each ray enters the first of the planes: t_min where it begins within the hit epsilon of one, +∞
+  /// where it enters none. `end`: the lesser of that and its t_max. rays.start is not read.
+  void (*meet_planes)(const PlanesView<Real>&, const RayView<Real>&, const MarchParameters<Real>&, Real* met,
+                      Real* end);
+  /// Misses that have met a plane by their t_max become hits there. rays.start is not read.
+  void (*take_planes)(const RayView<Real>&, const MarchParameters<Real>&, const Real* met, const MarchState<Real>&,
+                      std::uint8_t* status);
+  /// Lessens what shadow rays let through by what the planes do: the distance over t is the least at the far end.
+  void (*dim_by_planes)(const PlanesView<Real>&, const RayView<Real>&, const MarchParameters<Real>&, Real* visibility);
+  /// Where rays are within 4 hit epsilons of a box, and `widening` times t more; end = −1 for those that never are.
+  void (*clip_rays)(const Region<Real>& box, Real widening, Real epsilon_slope, const RayView<Real>&, Real* start,
+                    Real* end);
   /// Rays at their start; t is NaN where anything of the ray is not finite, and past the end. `carried`: what `before` holds
   /// at first; where steps are long that is always kNothingBefore, and for kShadow `boldness` holds it.
   void (*begin_march)(const RayView<Real>&, const MarchParameters<Real>&, Real carried, const MarchState<Real>&);

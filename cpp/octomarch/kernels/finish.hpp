@@ -177,7 +177,6 @@ bool secants(const RayView<Real>& rays, const MarchParameters<Real>& parameters,
       (at(rays.oz, i) + end * at(rays.dz, i)).store(points.z + i);
     }
     counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(open));
-    counters.lane_slots += open == 0 ? 0 : kLanes;
     any = any || open != 0;
   });
   return any;

@@ -190,7 +190,11 @@ class Marcher {
       if (live != 0 && block.step - block.start[slot] < parameters_.max_steps) continue;
       if (march_.steps != nullptr) record_steps(block, live);
       retire(block, slot);
-      if (!load(block, slot)) block.close(slot);
+      if (load(block, slot)) {
+        ++counters_.refills;
+      } else {
+        block.close(slot);
+      }
     }
     block.deadline = std::numeric_limits<std::int64_t>::max();
     for (std::size_t slot = 0; slot < block.slots; ++slot) note_deadline(block, slot);

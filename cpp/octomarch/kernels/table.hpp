@@ -5,6 +5,7 @@
 #include "octomarch/kernels/compare.hpp"
 #include "octomarch/kernels/cones.hpp"
 #include "octomarch/kernels/finish.hpp"
+#include "octomarch/kernels/limits.hpp"
 #include "octomarch/kernels/march.hpp"
 #include "octomarch/kernels/shade.hpp"
 #include "octomarch/kernels/surface.hpp"
@@ -18,6 +19,10 @@ constexpr KernelTable<Real> make_table() {
       .fit_cones = &fit_cones<Real>,
       .cone_points = &cone_points<Real>,
       .step_cones = &step_cones<Real>,
+      .meet_planes = &meet_planes<Real>,
+      .take_planes = &take_planes<Real>,
+      .dim_by_planes = &dim_by_planes<Real>,
+      .clip_rays = &clip_rays<Real>,
       .begin_march = &begin_march<Real>,
       .march = &march<Real>,
       .march_shadow = &march_shadow<Real>,

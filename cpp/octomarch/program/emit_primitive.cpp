@@ -15,13 +15,12 @@ namespace octomarch {
 namespace {
 
 ValueId emit_plane(const Node& node, const Placement& placement, DataFlow& flow) {
-  const Vec3 normal = placement.rotation * Vec3{node.parameter(0), node.parameter(1), node.parameter(2)};
-  const double h = placement.scale * node.parameter(3) - dot(normal, placement.offset);
+  const std::array<double, 4> plane = placed_plane(node, placement);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double n = component(normal, axis);
-    if (std::fabs(n) == 1.0) return flow.emit(Opcode::kAxisPlane, {{placement.frame[axis]}}, {{n, h}});
+    const double n = plane[axis];
+    if (std::fabs(n) == 1.0) return flow.emit(Opcode::kAxisPlane, {{placement.frame[axis]}}, {{n, plane[3]}});
   }
-  return flow.emit(Opcode::kPlane, placement.frame, {{normal.x, normal.y, normal.z, h}});
+  return flow.emit(Opcode::kPlane, placement.frame, plane);
 }
 
 ValueId emit_capsule(const Node& node, const Placement& placement, DataFlow& flow) {
@@ -128,6 +127,11 @@ ValueId emit_polygon(const Node& node, const Placement& placement, DataFlow& flo
 }
 
 }  // namespace
+
+std::array<double, 4> placed_plane(const Node& plane, const Placement& placement) {
+  const Vec3 normal = placement.rotation * Vec3{plane.parameter(0), plane.parameter(1), plane.parameter(2)};
+  return {normal.x, normal.y, normal.z, placement.scale * plane.parameter(3) - dot(normal, placement.offset)};
+}
 
 ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFlow& flow) {
   switch (primitive.kind()) {

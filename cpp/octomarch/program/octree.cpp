@@ -207,6 +207,15 @@ std::shared_ptr<Octree<Real>> Octrees::get(const Tape& tape, const Aabb& focus, 
   return kept;
 }
 
+template <class Real>
+std::size_t Octrees::bytes() {
+  const std::scoped_lock lock(mutex_);
+  const auto& kept = std::get<std::shared_ptr<Octree<Real>>>(kept_);
+  return kept ? kept->bytes() : 0;
+}
+
+template std::size_t Octrees::bytes<float>();
+template std::size_t Octrees::bytes<double>();
 template std::shared_ptr<Octree<float>> Octrees::get(const Tape&, const Aabb&, double);
 template std::shared_ptr<Octree<double>> Octrees::get(const Tape&, const Aabb&, double);
 template class Octree<float>;

@@ -95,6 +95,9 @@ class Octrees {
   /// worth its cost, or too little of it goes away in small cells. One that reached less, or is full, is given up.
   template <class Real>
   std::shared_ptr<Octree<Real>> get(const Tape& tape, const Aabb& focus, double reach);
+  /// Memory of the one that is kept.
+  template <class Real>
+  std::size_t bytes();
 
  private:
   std::mutex mutex_;
@@ -107,6 +110,11 @@ struct ProgramOctrees {
   Octrees distance;
   Octrees attributes;
   Octrees surface;
+
+  template <class Real>
+  std::size_t bytes() {
+    return distance.bytes<Real>() + attributes.bytes<Real>() + surface.bytes<Real>();
+  }
 };
 
 }  // namespace octomarch

@@ -53,6 +53,9 @@ std::vector<Placement> repeat_placements(const Placement& parent, const Node& re
 /// Distance of the cylinder to which kTwist and kBend nodes cut their child.
 ValueId emit_cut(const Node& node, const Placement& placement, DataFlow& flow);
 
+/// The normal of a kPlane node in the frame, and its h there.
+std::array<double, 4> placed_plane(const Node& plane, const Placement& placement);
+
 /// Emits a primitive node, mostly as one instruction; returns its distance value. Not for kField and kSolid.
 ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFlow& flow);
 

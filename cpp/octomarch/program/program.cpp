@@ -65,6 +65,15 @@ const Expressions& Program::surface() const {
   return surface_;
 }
 
+const Apart* Program::apart() const {
+  std::call_once(apart_once_, [this] {
+    Separated separated = separate_planes(root_, site_.anchor);
+    if (separated.planes.empty() || !separated.rest) return;
+    apart_ = Apart{std::move(separated.planes), std::make_unique<const Program>(separated.rest, site_.anchor)};
+  });
+  return apart_ ? &*apart_ : nullptr;
+}
+
 template <class Real>
 const Doubt& Program::doubt() const {
   std::call_once(doubt_once_, [this] {

@@ -15,6 +15,7 @@
 #include "octomarch/graph/scene.hpp"
 #include "octomarch/graph/site.hpp"
 #include "octomarch/program/instruction.hpp"
+#include "octomarch/program/planes.hpp"
 
 namespace octomarch {
 
@@ -59,6 +60,13 @@ struct Expressions {
 };
 
 struct ProgramOctrees;
+class Program;
+
+/// A shape's planes, and the program of all the rest, which has the same anchor.
+struct Apart {
+  std::vector<Plane> planes;
+  std::unique_ptr<const Program> rest;
+};
 
 /// Immutable and safe to share between threads; the attributes are compiled when first asked for.
 class Program {
@@ -88,6 +96,9 @@ class Program {
   const Aabb& bounds() const { return bounds_; }
   /// The bounded part of the shape (a floor leaves it alone); nothing when no part is bounded.
   const std::optional<Aabb>& focus() const { return focus_; }
+  /// The field as planes and a rest, of which it is the least; null where it has no planes, or nothing else. Compiled when
+  /// first asked for.
+  const Apart* apart() const;
   /// Octrees of the tapes, which stay as long as the program.
   ProgramOctrees& octrees() const { return *octrees_; }
 
@@ -105,6 +116,8 @@ class Program {
   mutable Expressions surface_;
   mutable std::once_flag doubt_once_;
   mutable Doubt doubt_f32_, doubt_f64_;
+  mutable std::once_flag apart_once_;
+  mutable std::optional<Apart> apart_;
   std::unique_ptr<ProgramOctrees> octrees_;
 };
 

@@ -9,6 +9,7 @@
 #include "octomarch/base/parallel.hpp"
 #include "octomarch/program/octree.hpp"
 #include "octomarch/render/buffer.hpp"
+#include "octomarch/render/stages.hpp"
 
 namespace octomarch {
 
@@ -32,10 +33,11 @@ class CellGroups {
 
   /// Groups `count` elements; point(i) returns the coordinates of the i-th as an array of three. Those that are NaN are left
   /// out. `evaluations`: of each element, as far as one can tell. Making cells can take
-  /// long: where that is cancelled groups are as large as they are by then.
+  /// long: where that is cancelled groups are as large as they are by then. Counts cells for `stage`.
   template <class Point>
-  void sort(std::size_t count, double evaluations, const bool& cancelled, Point&& point) {
+  void sort(std::size_t count, double evaluations, const bool& cancelled, StageStats& stage, Point&& point) {
     cancelled_ = &cancelled;
+    stage_ = &stage;
     evaluations_ = evaluations;
     groups_.clear();
     passing_.clear();
@@ -62,6 +64,7 @@ class CellGroups {
       begin = end;
     }
     if (begin < order_.size()) add_group(octree_.outside(), begin, order_.size());
+    stage.cells_visited += groups_.size();
   }
 
   const std::vector<CellGroup<Real>>& groups() const { return groups_; }
@@ -127,6 +130,13 @@ class CellGroups {
 
   /// A child, until the next sort only where the octree is full.
   Cell& child_of(Cell& parent, unsigned octant) {
+    Cell* const known = parent.children[octant].load(std::memory_order_acquire);
+    return known != nullptr ? *known : make_child(parent, octant);
+  }
+
+  Cell& make_child(Cell& parent, unsigned octant) {
+    const ScopedTimer timer(stage_->cell_seconds);
+    ++stage_->cells_made;
     if (Cell* const child = octree_.child(parent, octant, pruner_)) return *child;
     passing_.push_back(octree_.make_apart(parent, octant, pruner_));
     return *passing_.back();
@@ -163,6 +173,7 @@ class CellGroups {
   Pruner<Real> pruner_;
   double evaluations_ = 1.0;
   const bool* cancelled_ = nullptr;  ///< during a sort
+  StageStats* stage_ = nullptr;      ///< as well
   std::vector<std::array<Real, 3>> points_;
   std::vector<std::uint32_t> order_;  ///< elements, group after group
   std::vector<std::uint32_t> scratch_;

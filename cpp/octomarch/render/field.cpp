@@ -22,8 +22,7 @@ void counted(const kernels::TapeView<Real>& tape, kernels::Counters& counters, R
 /// How many steps a ray makes in a cell, about.
 constexpr double kStepsInCell = 3.0;
 
-}  // namespace
-
+/// An octree about all that is at most `reach` away from a point, or null.
 template <class Real>
 std::shared_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach) {
   const std::optional<Aabb>& focus = program.focus();
@@ -32,18 +31,37 @@ std::shared_ptr<Octree<Real>> octree_for(const Program& program, const March& ma
   return program.octrees().distance.get<Real>(program.distance(), box, reach + length(from - (box.lo + box.hi) * 0.5));
 }
 
+}  // namespace
+
 template <class Real>
-Field<Real>::Field(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels,
-                   std::size_t size)
-    : program_(program),
-      octree_(octree),
+SharedField<Real> share_field(const Program& program, const March& march, bool many, const Vec3& from, double reach) {
+  SharedField<Real> shared{&program, many ? octree_for<Real>(program, march, from, reach) : nullptr, nullptr, nullptr,
+                           march.method == Method::kAuto};
+  if (!shared.clips || march.bias != 0.0 || program.is_solid()) return shared;
+  shared.apart = program.apart();
+  if (many && shared.apart != nullptr) shared.rest_octree = octree_for<Real>(*shared.apart->rest, march, from, reach);
+  return shared;
+}
+
+template <class Real>
+Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<Real>& kernels, std::size_t size)
+    : program_(*shared.program),
+      octree_(shared.octree.get()),
+      clips_(shared.clips),
       kernels_(kernels),
-      tape_(program.distance(), TapeUse::kMarches),
+      tape_(program_.distance(), TapeUse::kMarches),
       points_(kernels::padded_lanes(size)),
       values_(kernels::padded_lanes(size)),
       ends_(kernels::padded_lanes(size)),
       sampler_(tape_, kernels) {
-  if (octree != nullptr) groups_.emplace(*octree, sampler_);
+  if (shared.octree) groups_.emplace(*shared.octree, sampler_);
+  if (shared.apart == nullptr) return;
+  for (const Plane& plane : shared.apart->planes) {
+    for (const double number : plane) planes_.push_back(static_cast<Real>(number));
+  }
+  met_ = Buffer<Real>(kernels::padded_lanes(size));
+  rest_ = std::make_unique<Field>(
+      SharedField<Real>{shared.apart->rest.get(), shared.rest_octree, nullptr, nullptr, clips_}, kernels, size);
 }
 
 template <class Real>
@@ -65,8 +83,8 @@ void Field<Real>::Sorted::reserve(std::size_t size) {
 template <class Real>
 template <class Function>
 void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
-                                 LoadedTape<Real>& tape, Function&& f) {
-  groups_->sort(count, 1.0, cancelled,
+                                 LoadedTape<Real>& tape, StageStats& stage, Function&& f) {
+  groups_->sort(count, 1.0, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   sorted_.reserve(groups_->places());
   groups_->for_each_place([&](std::size_t i, std::size_t place) {
@@ -82,14 +100,14 @@ void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std
 
 template <class Real>
 void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
-                           Real* out) {
+                           Real* out, StageStats& stage) {
   if (!groups_) {
-    instructions_ += kernels::padded_lanes(count) * tape_.view().length;
+    count_run(tape_.view(), count, 1, stage.work);
     return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
   }
   Buffer<Real>& values = sorted_.values.x;
-  for_each_group(points, count, cancelled, tape_, [&](const auto& tape, const CellGroup<Real>& group) {
-    instructions_ += kernels::padded_lanes(group.count) * tape.length;
+  for_each_group(points, count, cancelled, tape_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
+    count_run(tape, group.count, 1, stage.work);
     kernels_.distance(tape, tape_.memory(), sorted_.points.from(group.first), group.count, &cancelled,
                       values.data() + group.first);
   });
@@ -99,10 +117,14 @@ void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size
 
 template <class Real>
 void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
-                           const kernels::Vectors<Real>& out) {
+                           const kernels::Vectors<Real>& out, StageStats& stage) {
   if (!gradient_) gradient_.emplace(program_.distance(), TapeUse::kGradients);
-  if (!groups_) return kernels_.gradient(gradient_->view(), gradient_->memory(), points, count, &cancelled, out);
-  for_each_group(points, count, cancelled, *gradient_, [&](const auto& tape, const CellGroup<Real>& group) {
+  if (!groups_) {
+    count_run(gradient_->view(), count, 1, stage.work);
+    return kernels_.gradient(gradient_->view(), gradient_->memory(), points, count, &cancelled, out);
+  }
+  for_each_group(points, count, cancelled, *gradient_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
+    count_run(tape, group.count, 1, stage.work);
     VectorBuffer<Real>& values = sorted_.values;
     kernels_.gradient(tape, gradient_->memory(), sorted_.points.from(group.first), group.count, &cancelled,
                       {values.x.data() + group.first, values.y.data() + group.first, values.z.data() + group.first});
@@ -118,8 +140,9 @@ void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size
 template <class Real>
 void Field<Real>::sample_around(const kernels::Vectors<const Real>& points, std::size_t count,
                                 const kernels::StencilView<Real>& stencil, const bool& cancelled,
-                                const kernels::Vectors<Real>& out) {
+                                const kernels::Vectors<Real>& out, StageStats& stage) {
   if (!groups_) {
+    count_run(tape_.view(), count, stencil.count, stage.work);
     return kernels_.sample_around(tape_.view(), tape_.memory(), points, count, stencil, &cancelled, out);
   }
   for (Real* row : {out.x, out.y, out.z}) std::fill_n(row, count, Real(0));
@@ -130,7 +153,7 @@ void Field<Real>::sample_around(const kernels::Vectors<const Real>& points, std:
       points_.y[i] = points.y[i] + stencil.step * offset[1];
       points_.z[i] = points.z[i] + stencil.step * offset[2];
     }
-    distance(points_.read(), count, cancelled, values_.data());
+    distance(points_.read(), count, cancelled, values_.data(), stage);
     for (std::size_t i = 0; i < count; ++i) {
       out.x[i] += values_[i] * offset[0];
       out.y[i] += values_[i] * offset[1];
@@ -141,9 +164,10 @@ void Field<Real>::sample_around(const kernels::Vectors<const Real>& points, std:
 
 template <class Real>
 template <class Run>
-void Field<Real>::march_all(const Rays& rays, const Parameters& parameters, const State& state, Run&& run) {
+void Field<Real>::march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage,
+                            Run&& run) {
   const Region<Real>* const everywhere = nullptr;
-  if (groups_) return march_by_cells(rays, parameters, state, run);
+  if (groups_) return march_by_cells(rays, parameters, state, stage, run);
   run(tape_.view(), tape_.memory(), rays, parameters, everywhere, state);
 }
 
@@ -151,7 +175,8 @@ void Field<Real>::march_all(const Rays& rays, const Parameters& parameters, cons
 /// cell.
 template <class Real>
 template <class Run>
-void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, Run&& run) {
+void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage,
+                                 Run&& run) {
   taken_.assign(rays.count, 0);
   active_.clear();
   for (std::size_t i = 0; i < rays.count; ++i) {
@@ -160,7 +185,7 @@ void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters,
   }
   Sorted& s = sorted_;
   while (!active_.empty() && !is_set(*parameters.cancelled)) {
-    const Rays sorted_rays = sort_rays(rays, state, *parameters.cancelled);
+    const Rays sorted_rays = sort_rays(rays, state, *parameters.cancelled, stage);
     for (const CellGroup<Real>& group : groups_->groups()) {
       const std::size_t first = group.first;
       std::int32_t* const steps = s.steps.data() + first;
@@ -184,8 +209,9 @@ void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters,
 
 /// Copies the active rays into the order of their groups.
 template <class Real>
-kernels::RayView<Real> Field<Real>::sort_rays(const Rays& rays, const State& state, const bool& cancelled) {
-  groups_->sort(active_.size(), kStepsInCell, cancelled, [&](std::size_t k) {  // points as kernels compute them
+kernels::RayView<Real> Field<Real>::sort_rays(const Rays& rays, const State& state, const bool& cancelled,
+                                              StageStats& stage) {
+  groups_->sort(active_.size(), kStepsInCell, cancelled, stage, [&](std::size_t k) {  // points as kernels compute them
     const std::size_t i = active_[k];
     const Real t = state.t[i];
     return std::array<Real, 3>{at(rays.ox, i) + t * at(rays.dx, i), at(rays.oy, i) + t * at(rays.dy, i),
@@ -243,48 +269,49 @@ void Field<Real>::take_back(int max_steps, const State& state) {
 }
 
 template <class Real>
-void Field<Real>::march(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                        RayBatch<Real>& batch, std::int32_t* steps, kernels::Counters& counters) {
+void Field<Real>::march_limited(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch,
+                                std::int32_t* steps, StageStats& stage) {
   const kernels::MarchState<Real> state = batch.state(steps);
   std::uint8_t* const status = batch.status.data();
   const bool is_fixed = parameters.stepping == kernels::Stepping::kFixed;
   kernels_.begin_march(rays, parameters, is_fixed ? Real(0) : kernels::kNothingBefore<Real>, state);
-  march_all(rays, parameters, state, [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
-    counted(tape, counters, [&] { kernels_.march(tape, rest..., counters); });
+  march_all(rays, parameters, state, stage, [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
+    counted(tape, stage.work, [&] { kernels_.march(tape, rest..., stage.work); });
   });
   kernels_.conclude(rays, parameters, state, status);
   if (!parameters.finish || parameters.stepping == kernels::Stepping::kCertified) return;
   if (is_fixed) {
-    kernels_.bisect(tape_.view(), tape_.memory(), rays, parameters, state, status, counters);
+    counted(tape_.view(), stage.work,
+            [&] { kernels_.bisect(tape_.view(), tape_.memory(), rays, parameters, state, status, stage.work); });
   } else {
-    follow_secants(rays, parameters, state, status, counters);
+    follow_secants(rays, parameters, state, status, stage);
   }
 }
 
 template <class Real>
 void Field<Real>::follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                                  const kernels::MarchState<Real>& state, const std::uint8_t* status,
-                                 kernels::Counters& counters) {
+                                 StageStats& stage) {
   for (int round = 0; round < 2; ++round) {
-    if (!kernels_.secants(rays, parameters, state, status, ends_.data(), points_.view(), counters)) return;
-    distance(points_.read(), rays.count, *parameters.cancelled, values_.data());
+    if (!kernels_.secants(rays, parameters, state, status, ends_.data(), points_.view(), stage.work)) return;
+    distance(points_.read(), rays.count, *parameters.cancelled, values_.data(), stage);
     kernels_.follow_secants(rays, parameters, state, status, ends_.data(), values_.data());
   }
 }
 
 template <class Real>
-void Field<Real>::cast_shadows(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                               RayBatch<Real>& batch, Real* visibility, kernels::Counters& counters) {
+void Field<Real>::cast_limited_shadows(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch,
+                                       Real* visibility, StageStats& stage) {
   const kernels::MarchState<Real> state = batch.state(nullptr);
   kernels_.begin_march(rays, parameters, Real(1), state);
-  march_all(rays, parameters, state, [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
-    counted(tape, counters, [&] { kernels_.march_shadow(tape, rest..., counters); });
+  march_all(rays, parameters, state, stage, [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
+    counted(tape, stage.work, [&] { kernels_.march_shadow(tape, rest..., stage.work); });
   });
   kernels_.visibility(rays, parameters, state, visibility);
 }
 
-template std::shared_ptr<Octree<float>> octree_for(const Program&, const March&, const Vec3&, double);
-template std::shared_ptr<Octree<double>> octree_for(const Program&, const March&, const Vec3&, double);
+template SharedField<float> share_field(const Program&, const March&, bool, const Vec3&, double);
+template SharedField<double> share_field(const Program&, const March&, bool, const Vec3&, double);
 template class Field<float>;
 template class Field<double>;
 

@@ -10,19 +10,30 @@
 #include "octomarch/render/cell_groups.hpp"
 #include "octomarch/render/loaded_tape.hpp"
 #include "octomarch/render/rays.hpp"
+#include "octomarch/render/stages.hpp"
 
 namespace octomarch {
 
-/// An octree about all that is at most `reach` away from a point (counted from the program's anchor), where it is worth its
-/// cost; else null, as for fixed steps, which take solids without distances.
+/// What all workers of a picture or a query share of a program's field.
 template <class Real>
-std::shared_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach);
+struct SharedField {
+  const Program* program;
+  std::shared_ptr<Octree<Real>> octree;  ///< of program->distance(), or null
+  const Apart* apart = nullptr;          ///< where rays meet its planes in closed form, and march the rest
+  std::shared_ptr<Octree<Real>> rest_octree;
+  bool clips = false;  ///< are rays only marched within bounds?
+};
+
+/// `near`: is there enough to do for an octree about all that is at most `reach` away from a point (counted from the program's
+/// anchor)? It is made where it is worth its cost, and not for fixed steps, which take solids without distances.
+template <class Real>
+SharedField<Real> share_field(const Program& program, const March& march, bool many, const Vec3& from, double reach);
 
 template <class Real>
 class Field {
  public:
-  /// `size`: points or rays at the most in one call. `octree`: of program.distance(), or null. Both must outlive this.
-  Field(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels, std::size_t size);
+  /// `size`: points or rays at the most in one call. `shared` must outlive this.
+  Field(const SharedField<Real>& shared, const kernels::KernelTable<Real>& kernels, std::size_t size);
 
   Field(const Field&) = delete;
 
@@ -30,47 +41,59 @@ class Field {
   /// An octree of another tape of the program, that reaches as far as the field's; null where that has none.
   std::shared_ptr<Octree<Real>> octree_of(const Tape& tape, Octrees& octrees) const;
 
-  /// Distances at points; NaN at NaN points.
-  void distance(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled, Real* out);
+  /// Distances at points; NaN at NaN points. Counts all of `stage` but how many evaluations those were that matter.
+  void distance(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled, Real* out,
+                StageStats& stage);
   /// Exact gradients at points.
   void gradient(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
-                const kernels::Vectors<Real>& out);
+                const kernels::Vectors<Real>& out, StageStats& stage);
   /// Directions across the surface from the field around points; see the kernel.
   void sample_around(const kernels::Vectors<const Real>& points, std::size_t count,
                      const kernels::StencilView<Real>& stencil, const bool& cancelled,
-                     const kernels::Vectors<Real>& out);
+                     const kernels::Vectors<Real>& out, StageStats& stage);
 
-  /// Sets `start` of whole blocks of rays to where none of a block has met anything yet, by marching a cone about each, and where
-  /// the solid is bounded `end` to where all of a block are past it.
+  /// Sets `start` of a batch's whole blocks of rays to where none of a block has met anything yet, by marching a cone about each,
+  /// and `end` to where all of a block are past the solid's bounds, and each has met the first plane.
   void advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                        Buffer<Real>& start, Buffer<Real>& end, kernels::Counters& counters);
-  /// Fills t and status of `batch`, and `steps` (exactly rays.count long) unless it is null.
+                        RayBatch<Real>& batch, StageStats& stage);
+  /// Fills t and status of `batch`, and `steps` (exactly rays.count long) unless it is null. `advanced`: together, before.
   void march(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-             RayBatch<Real>& batch, std::int32_t* steps, kernels::Counters& counters);
+             RayBatch<Real>& batch, std::int32_t* steps, StageStats& stage, bool advanced = false);
   /// How much of each ray's far end is seen from its origin.
   void cast_shadows(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                    RayBatch<Real>& batch, Real* visibility, kernels::Counters& counters);
+                    RayBatch<Real>& batch, Real* visibility, StageStats& stage);
 
  private:
   using Rays = kernels::RayView<Real>;
   using Parameters = kernels::MarchParameters<Real>;
   using State = kernels::MarchState<Real>;
 
-  void march_cones(const Rays& rays, const Parameters& parameters, kernels::Counters& counters);
+  // of a field without planes, between the ends of rays that have been limited:
+  void march_limited(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch, std::int32_t* steps,
+                     StageStats& stage);
+  void cast_limited_shadows(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch, Real* visibility,
+                            StageStats& stage);
+  void meet_planes(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch);
+  static Rays ending_at(const Buffer<Real>& end, Rays rays);
+  Rays clipped(Rays rays, Real widening, const Parameters& parameters, RayBatch<Real>& batch) const;
+  Aabb bounds_on_grid() const;
+  bool has_bounds() const { return clips_ && is_bounded(program_.site().bounds) && !is_empty(program_.site().bounds); }
+  kernels::PlanesView<Real> planes() const { return {planes_.data(), planes_.size() / 4}; }
+  void march_cones(const Rays& rays, const Parameters& parameters, StageStats& stage);
   std::uint64_t enter_bounds(const Parameters& parameters, std::size_t count);
   /// Marches until all rays have ended, by the kernel run(tape, memory, rays, parameters, region, state).
   template <class Run>
-  void march_all(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
+  void march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run);
   template <class Run>
-  void march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, Run&& run);
-  Rays sort_rays(const Rays& rays, const State& state, const bool& cancelled);
+  void march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run);
+  Rays sort_rays(const Rays& rays, const State& state, const bool& cancelled, StageStats& stage);
   void take_back(int max_steps, const State& state);
   /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_.points.
   template <class Function>
   void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
-                      LoadedTape<Real>& tape, Function&& f);
+                      LoadedTape<Real>& tape, StageStats& stage, Function&& f);
   void follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                      const kernels::MarchState<Real>& state, const std::uint8_t* status, kernels::Counters& counters);
+                      const kernels::MarchState<Real>& state, const std::uint8_t* status, StageStats& stage);
 
   /// Cones about the blocks of a batch.
   struct Cones {
@@ -91,6 +114,7 @@ class Field {
 
   const Program& program_;
   const Octree<Real>* octree_;
+  const bool clips_;
   const kernels::KernelTable<Real>& kernels_;
   LoadedTape<Real> tape_;
   std::optional<LoadedTape<Real>> gradient_;
@@ -102,7 +126,9 @@ class Field {
   Sorted sorted_;
   std::vector<std::uint32_t> active_, still_active_;  ///< rays that go on, in this round and the next
   std::vector<std::int32_t> taken_;                   ///< steps of each ray so far
-  std::uint64_t instructions_ = 0;                    ///< that distances have taken, at all lanes
+  std::vector<Real> planes_;                          ///< apart from the rest
+  Buffer<Real> met_;                                  ///< where rays meet the first of them
+  std::unique_ptr<Field> rest_;                       ///< what is to be marched, where there are planes
 };
 
 }  // namespace octomarch

@@ -10,40 +10,43 @@ namespace octomarch {
 
 namespace {
 
+template <class Real>
+Real at(const kernels::Column<Real>& column, std::size_t i) {
+  return RayColumns<Real>::at(column, i);
+}
+
 /// Rays that pass the solid's bounds by more than so many hit epsilons hit nothing.
 constexpr double kRoomForHits = 4.0;
-
-/// Bounds are taken to a grid of about 2⁻⁸ radii, so that roundings of a far scene's make no difference.
-constexpr double kGridBits = 8.0;
-
-/// A box that holds another, with its corners on a grid.
-Aabb on_grid(const Aabb& box, double grid) {
-  const auto below = [grid](double a) { return (std::round(a / grid) - 1.0) * grid; };
-  const auto above = [grid](double a) { return (std::round(a / grid) + 1.0) * grid; };
-  return {{below(box.lo.x), below(box.lo.y), below(box.lo.z)}, {above(box.hi.x), above(box.hi.y), above(box.hi.z)}};
-}
 
 }  // namespace
 
 template <class Real>
 void Field<Real>::advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                                   Buffer<Real>& start, Buffer<Real>& end, kernels::Counters& counters) {
+                                   RayBatch<Real>& batch, StageStats& stage) {
+  if (rest_) {
+    meet_planes(rays, parameters, batch);
+    return rest_->advance_together(ending_at(batch.end, rays), parameters, batch, stage);
+  }
   constexpr std::size_t kRays = Cones::kMost * kernels::kLanes;
-  const bool is_bound = is_bounded(program_.site().bounds);
   for (std::size_t first = 0; first < rays.count; first += kRays) {
     const std::size_t count = std::min(kRays, rays.count - first);
-    march_cones(rays.from(first, count), parameters, counters);
+    march_cones(rays.from(first, count), parameters, stage);
     for (std::size_t i = 0; i < count; i += kernels::kLanes) {
-      std::fill_n(start.data() + first + i, kernels::kLanes, cones_.t[i / kernels::kLanes]);
-      if (is_bound) std::fill_n(end.data() + first + i, kernels::kLanes, cones_.t_max[i / kernels::kLanes]);
+      std::fill_n(batch.start.data() + first + i, kernels::kLanes, cones_.t[i / kernels::kLanes]);
+      if (!has_bounds()) continue;
+      const Real leave = cones_.t_max[i / kernels::kLanes];
+      for (std::size_t ray = first + i; ray < first + i + kernels::kLanes; ++ray) {
+        batch.end[ray] = std::min(leave, at(rays.t_max, ray));
+      }
     }
   }
 }
 
 /// Marches a cone about each block of rays, of kLanes blocks at the most.
 template <class Real>
-void Field<Real>::march_cones(const Rays& rays, const Parameters& parameters, kernels::Counters& counters) {
+void Field<Real>::march_cones(const Rays& rays, const Parameters& parameters, StageStats& stage) {
   const std::size_t count = rays.count / kernels::kLanes;
+  stage.count += count;
   const kernels::ConeView<Real> cones{count,
                                       cones_.origin.view(),
                                       cones_.direction.view(),
@@ -61,11 +64,8 @@ void Field<Real>::march_cones(const Rays& rays, const Parameters& parameters, ke
     for (std::size_t i = 0; i < count; ++i) {  // those that have ended need no evaluation
       if ((live >> i & 1U) == 0) points_.x[i] = std::numeric_limits<Real>::quiet_NaN();
     }
-    const std::uint64_t before = instructions_;
-    distance(points_.read(), count, *parameters.cancelled, values_.data());
-    counters.instructions += instructions_ - before;
-    counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
-    counters.lane_slots += kernels::kLanes;
+    distance(points_.read(), count, *parameters.cancelled, values_.data(), stage);
+    stage.work.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
     live = kernels_.step_cones(cones, parameters, values_.data(), live);
   }
 }
@@ -75,9 +75,8 @@ void Field<Real>::march_cones(const Rays& rays, const Parameters& parameters, ke
 template <class Real>
 std::uint64_t Field<Real>::enter_bounds(const Parameters& parameters, std::size_t count) {
   std::uint64_t live = ~std::uint64_t{0} >> (kernels::kLanes - count);
-  const Site& site = program_.site();
-  if (!is_bounded(site.bounds) || is_empty(site.bounds)) return live;
-  const Aabb box = on_grid(site.bounds, std::exp2(std::floor(std::log2(site.radius)) - kGridBits));
+  if (!has_bounds()) return live;
+  const Aabb box = bounds_on_grid();
   for (std::size_t i = 0; i < count; ++i) {
     const auto number = [i](const Buffer<Real>& row) { return static_cast<double>(row[i]); };
     const Vec3 o{number(cones_.origin.x), number(cones_.origin.y), number(cones_.origin.z)};
@@ -115,8 +114,8 @@ std::uint64_t Field<Real>::enter_bounds(const Parameters& parameters, std::size_
 }
 
 template void Field<float>::advance_together(const kernels::RayView<float>&, const kernels::MarchParameters<float>&,
-                                             Buffer<float>&, Buffer<float>&, kernels::Counters&);
+                                             RayBatch<float>&, StageStats&);
 template void Field<double>::advance_together(const kernels::RayView<double>&, const kernels::MarchParameters<double>&,
-                                              Buffer<double>&, Buffer<double>&, kernels::Counters&);
+                                              RayBatch<double>&, StageStats&);
 
 }  // namespace octomarch

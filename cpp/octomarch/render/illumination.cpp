@@ -46,10 +46,13 @@ bool Illumination<Real>::has_occlusion() const {
 /// Ambient visibility of every point from samples along its normal. Their heights grow with the square of their number: near
 /// contact the first ones decide, and there they are dense.
 template <class Real>
-void Illumination<Real>::find_occlusion(SurfacePass<Real>& surface, const bool& cancelled) {
+void Illumination<Real>::find_occlusion(SurfacePass<Real>& surface, const bool& cancelled, StageStats& stage) {
+  const ScopedTimer timer(stage.seconds);
   const Shading& shading = picture_.shading;
   const auto distance = clamped<Real>(shading.occlusion_distance);
-  std::fill_n(ambient_.data(), surface.count(), Real(0));
+  const std::size_t count = surface.count();
+  stage.count += count;
+  std::fill_n(ambient_.data(), count, Real(0));
   Real weight = 1;
   Real most = 0;
   for (int sample = 1; sample <= shading.occlusion; ++sample) {
@@ -58,20 +61,19 @@ void Illumination<Real>::find_occlusion(SurfacePass<Real>& surface, const bool& 
     const Real height = distance * share * share;
     most += weight * height;
     kernels_.occlusion_points(surface.view(), height, above_.view());
-    surface.field().distance(above_.read(), surface.count(), cancelled, field_above_.data());
-    kernels_.add_occlusion(field_above_.data(), surface.count(), height, weight, ambient_.data());
+    surface.field().distance(above_.read(), count, cancelled, field_above_.data(), stage);
+    stage.work.evaluations += count;
+    kernels_.add_occlusion(field_above_.data(), count, height, weight, ambient_.data());
   }
-  kernels_.ambient_visibility(surface.count(), most, ambient_.data());
+  kernels_.ambient_visibility(count, most, ambient_.data());
 }
 
 template <class Real>
 void Illumination<Real>::add_ambient(SurfacePass<Real>& surface, const VectorBuffer<Real>& albedo,
                                      const bool& cancelled, RenderStats& stats) {
-  const Shading& shading = picture_.shading;
   const Vec3& ambient = picture_.scene->ambient;
   if (has_occlusion()) {
-    find_occlusion(surface, cancelled);
-    stats.occlusion_evaluations += surface.count() * static_cast<std::uint64_t>(shading.occlusion);
+    find_occlusion(surface, cancelled, stats.occlusion);
   } else {
     std::fill_n(ambient_.data(), surface.count(), Real(1));
   }
@@ -129,6 +131,7 @@ typename Illumination<Real>::ShadowRays Illumination<Real>::find_lit(const Surfa
 template <class Real>
 void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& light, const bool& cancelled,
                                       RenderStats& stats) {
+  const ScopedTimer timer(stats.shadow.seconds);
   const ShadowRays rays = find_lit(surface);
   const std::size_t count = lit_.size();
   // no pixel footprint: in a corner the other wall is often nearer than that, and would cast a shadow
@@ -147,7 +150,7 @@ void Illumination<Real>::cast_shadows(SurfacePass<Real>& surface, const Light& l
       shadow_parameters(*picture_.program, picture_.march, k, columns.epsilon_slope, cancelled);
   surface.field().cast_shadows(columns.view({}, t_max, count), parameters, shadow_, rays.visibility.data(),
                                stats.shadow);
-  stats.shadow_rays += count;
+  stats.shadow.count += count;
   if (&rays.visibility == &visibility_) return;
   for (std::size_t i = 0; i < count; ++i) visibility_[lit_[i]] = shadow_visibility_[i];
 }

@@ -27,7 +27,7 @@ class Illumination {
   bool has_occlusion() const;
   void add_ambient(SurfacePass<Real>& surface, const VectorBuffer<Real>& albedo, const bool& cancelled,
                    RenderStats& stats);
-  void find_occlusion(SurfacePass<Real>& surface, const bool& cancelled);
+  void find_occlusion(SurfacePass<Real>& surface, const bool& cancelled, StageStats& stage);
   /// Rows of shadow rays.
   struct ShadowRays {
     const VectorBuffer<Real>& origin;

@@ -30,23 +30,22 @@ std::vector<Real*> MaterialPass<Real>::slot_rows() {
 }
 
 template <class Real>
-std::uint64_t MaterialPass<Real>::run(const SurfacePass<Real>& surface, const bool& cancelled) {
-  return run(surface.field(), surface.position.read(), surface.normal.read(), surface.count(), cancelled);
+void MaterialPass<Real>::run(const SurfacePass<Real>& surface, const bool& cancelled, StageStats& stage) {
+  run(surface.field(), surface.position.read(), surface.normal.read(), surface.count(), cancelled, stage);
 }
 
 template <class Real>
-std::uint64_t MaterialPass<Real>::run(const Field<Real>& field, const kernels::Vectors<const Real>& points,
-                                      const kernels::Vectors<const Real>& normals, std::size_t count,
-                                      const bool& cancelled) {
+void MaterialPass<Real>::run(const Field<Real>& field, const kernels::Vectors<const Real>& points,
+                             const kernels::Vectors<const Real>& normals, std::size_t count, const bool& cancelled,
+                             StageStats& stage) {
   const Expressions& slots = program_.surface();
-  if (slots.is_constant()) return 0;
+  if (slots.is_constant()) return;
   if (!slots_) {
     slots_.emplace(slots.tape, varying_rows(slots, slot_rows()),
                    field.octree_of(slots.tape, program_.octrees().surface), kernels_);
   }
-  slots_->run(points, normals, count, cancelled);
+  slots_->run(points, normals, count, cancelled, stage);
   kernels_.clamp_materials(view(), count);
-  return count;
 }
 
 template <class Real>

@@ -16,12 +16,12 @@ class MaterialPass {
   MaterialPass(const Program& program, const kernels::KernelTable<Real>& kernels, std::size_t size);
   MaterialPass(const MaterialPass&) = delete;
 
-  /// Finds the slots of every point of `surface`, whose normals are known; returns evaluations made. Where everything is
+  /// Finds the slots of every point of `surface`, whose normals are known. Where everything is
   /// of one material there are none.
-  std::uint64_t run(const SurfacePass<Real>& surface, const bool& cancelled);
+  void run(const SurfacePass<Real>& surface, const bool& cancelled, StageStats& stage);
   /// The same at `count` points with unit normals; `field` tells how far the program is looked at.
-  std::uint64_t run(const Field<Real>& field, const kernels::Vectors<const Real>& points,
-                    const kernels::Vectors<const Real>& normals, std::size_t count, const bool& cancelled);
+  void run(const Field<Real>& field, const kernels::Vectors<const Real>& points,
+           const kernels::Vectors<const Real>& normals, std::size_t count, const bool& cancelled, StageStats& stage);
 
   kernels::MaterialView<Real> view();
   const VectorBuffer<Real>& albedo() const { return albedo_; }

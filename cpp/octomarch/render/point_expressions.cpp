@@ -22,9 +22,13 @@ PointExpressions<Real>::PointExpressions(const Tape& tape, std::vector<Real*> ro
 
 template <class Real>
 void PointExpressions<Real>::run(const kernels::Vectors<const Real>& points,
-                                 const kernels::Vectors<const Real>& normals, std::size_t count,
-                                 const bool& cancelled) {
-  if (groups_) return run_by_cells(points, normals, count, cancelled);
+                                 const kernels::Vectors<const Real>& normals, std::size_t count, const bool& cancelled,
+                                 StageStats& stage) {
+  const ScopedTimer timer(stage.seconds);
+  stage.count += count;
+  stage.work.evaluations += count;
+  if (groups_) return run_by_cells(points, normals, count, cancelled, stage);
+  count_run(tape_.view(), count, 1, stage.work);
   const kernels::Vectors<const Real>* const read = code_.inputs == 6 ? &normals : nullptr;
   kernels_.expressions(tape_.view(), tape_.memory(), points, read, count, &cancelled, code_.results.data(),
                        rows_.size(), rows_.data());
@@ -33,8 +37,8 @@ void PointExpressions<Real>::run(const kernels::Vectors<const Real>& points,
 template <class Real>
 void PointExpressions<Real>::run_by_cells(const kernels::Vectors<const Real>& points,
                                           const kernels::Vectors<const Real>& normals, std::size_t count,
-                                          const bool& cancelled) {
-  sort(points, normals, count, cancelled);
+                                          const bool& cancelled, StageStats& stage) {
+  sort(points, normals, count, cancelled, stage);
   std::vector<Real*> outs(rows_.size());
   for (const CellGroup<Real>& group : groups_->groups()) {
     if (is_set(cancelled)) return;
@@ -42,6 +46,7 @@ void PointExpressions<Real>::run_by_cells(const kernels::Vectors<const Real>& po
     for (std::size_t k = 0; k < outs.size(); ++k) outs[k] = values_[k].data() + group.first;
     const kernels::Vectors<const Real> across = normals_.from(group.first);
     const kernels::Vectors<const Real>* const read = code_.inputs == 6 ? &across : nullptr;
+    count_run(tape_.view(part), group.count, 1, stage.work);
     kernels_.expressions(tape_.view(part), tape_.memory(), points_.from(group.first), read, group.count, &cancelled,
                          part.results.data(), outs.size(), outs.data());
   }
@@ -53,9 +58,9 @@ void PointExpressions<Real>::run_by_cells(const kernels::Vectors<const Real>& po
 /// Puts points and normals into the order of their cells.
 template <class Real>
 void PointExpressions<Real>::sort(const kernels::Vectors<const Real>& points,
-                                  const kernels::Vectors<const Real>& normals, std::size_t count,
-                                  const bool& cancelled) {
-  groups_->sort(count, 1.0, cancelled,
+                                  const kernels::Vectors<const Real>& normals, std::size_t count, const bool& cancelled,
+                                  StageStats& stage) {
+  groups_->sort(count, 1.0, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   if (groups_->places() > points_.x.size()) {
     const std::size_t size = kernels::padded_lanes(groups_->places() * 3 / 2);

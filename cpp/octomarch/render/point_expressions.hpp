@@ -19,15 +19,15 @@ class PointExpressions {
                    const kernels::KernelTable<Real>& kernels);
   PointExpressions(const PointExpressions&) = delete;
 
-  /// `normals` are read where the tape has them among its inputs.
+  /// `normals` are read where the tape has them among its inputs. Counts all of `stage`.
   void run(const kernels::Vectors<const Real>& points, const kernels::Vectors<const Real>& normals, std::size_t count,
-           const bool& cancelled);
+           const bool& cancelled, StageStats& stage);
 
  private:
   void run_by_cells(const kernels::Vectors<const Real>& points, const kernels::Vectors<const Real>& normals,
-                    std::size_t count, const bool& cancelled);
+                    std::size_t count, const bool& cancelled, StageStats& stage);
   void sort(const kernels::Vectors<const Real>& points, const kernels::Vectors<const Real>& normals, std::size_t count,
-            const bool& cancelled);
+            const bool& cancelled, StageStats& stage);
 
   const kernels::KernelTable<Real>& kernels_;
   const Tape& code_;

@@ -46,12 +46,21 @@ void for_each_chunk(const Program& program, std::size_t count, std::size_t evalu
       how.listener);
 }
 
-/// An octree for many points, or for rays from them that go on for `reach`; null where they are too few to be worth one.
+/// Of points, which need no more than the whole field.
+March no_march() {
+  March march;
+  march.method = Method::kPlain;
+  return march;
+}
+
+/// The field at points, or along rays from them that go on for `reach`. Few are not worth an octree.
 template <class Real>
-std::shared_ptr<Octree<Real>> octree_for_points(const Program& program, const double* points, std::size_t count,
-                                                const Listener& listener, const March& march = {}, double reach = 0.0) {
+SharedField<Real> field_of(const Program& program, const double* points, std::size_t count, const Listener& listener,
+                           const March& march = no_march(), double reach = 0.0) {
   constexpr std::size_t kMany = 4096;
-  if (count < kMany || program.distance().code.size() > 64 * count) return nullptr;
+  if (count < kMany || program.distance().code.size() > 64 * count) {
+    return share_field<Real>(program, march, false, {}, 0.0);
+  }
   const Vec3& anchor = program.site().anchor;
   const double origin[3] = {anchor.x, anchor.y, anchor.z};
   constexpr std::size_t kBetweenPolls = std::size_t{1} << 18;
@@ -63,7 +72,7 @@ std::shared_ptr<Octree<Real>> octree_for_points(const Program& program, const do
       if (std::isfinite(at)) farthest = std::max(farthest, std::fabs(at - origin[axis]));
     }
   }
-  return octree_for<Real>(program, march, {}, 2.0 * farthest + reach);
+  return share_field<Real>(program, march, true, {}, 2.0 * farthest + reach);
 }
 
 Vec3 triple(const double* values, std::size_t i) { return {values[3 * i], values[3 * i + 1], values[3 * i + 2]}; }
@@ -90,35 +99,35 @@ Scratch& scratch_of(std::vector<std::optional<Scratch>>& all, std::size_t worker
 
 template <class Real>
 struct PointScratch {
-  PointScratch(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels,
-               std::size_t size)
-      : field(program, octree, kernels, size), points(size), out(size) {}
+  PointScratch(const SharedField<Real>& shared, const kernels::KernelTable<Real>& kernels, std::size_t size)
+      : field(shared, kernels, size), points(size), out(size) {}
 
   Field<Real> field;
   VectorBuffer<Real> points;
   VectorBuffer<Real> out;
+  StageStats stats;
 };
 
 template <class Real>
 struct MaterialScratch {
-  MaterialScratch(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels,
-                  std::size_t size)
-      : field(program, octree, kernels, size), points(size), normals(size), material(program, kernels, size) {}
+  MaterialScratch(const SharedField<Real>& shared, const kernels::KernelTable<Real>& kernels, std::size_t size)
+      : field(shared, kernels, size), points(size), normals(size), material(*shared.program, kernels, size) {}
 
   Field<Real> field;
   VectorBuffer<Real> points, normals;
   MaterialPass<Real> material;
+  StageStats stats;
 };
 
 template <class Real>
 struct RayScratch {
-  RayScratch(const Program& program, Octree<Real>* octree, const kernels::KernelTable<Real>& kernels, std::size_t size)
+  RayScratch(const SharedField<Real>& shared, const kernels::KernelTable<Real>& kernels, std::size_t size)
       : batch(size),
         length(size),
         lead(size),
         t_max(size),
         epsilon(size),
-        field(program, octree, kernels, size),
+        field(shared, kernels, size),
         surface(field, kernels, size) {}
 
   RayBatch<Real> batch;
@@ -127,6 +136,7 @@ struct RayScratch {
   Buffer<Real> epsilon;
   Field<Real> field;
   SurfacePass<Real> surface;
+  StageStats stats;
 };
 
 /// Fills origins, unit directions, starts, t_max and epsilon of one chunk; directions that have no length become NaN, which the
@@ -164,8 +174,8 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
   if (out.material_id) std::fill_n(out.material_id + first, count, -1);
   SurfacePass<Real>& surface = s.surface;
   surface.gather(s.batch, columns, count);
-  if (out.normal) surface.find_normals(shading, cancelled);
-  if (out.object_id || out.material_id) surface.find_objects(cancelled);
+  if (out.normal) surface.find_normals(shading, cancelled, s.stats);
+  if (out.object_id || out.material_id) surface.find_objects(cancelled, s.stats);
   for (std::size_t i = 0; i < surface.count(); ++i) {
     const std::size_t ray = first + surface.ray(i);
     const auto write = [&](Real* plane, const VectorBuffer<Real>& rows, const Vec3& origin) {
@@ -187,28 +197,26 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
 
 template <class Real>
 void query_distance(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
-  const auto octree = octree_for_points<Real>(program, points, count, how.listener);
+  const SharedField<Real> shared = field_of<Real>(program, points, count, how.listener);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(
-      program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s =
-            scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), scratch_size(program, count));
-        split(points + 3 * first, n, program.site().anchor, s.points);
-        s.field.distance(s.points.read(), n, cancelled, s.out.x.data());
-        std::copy_n(s.out.x.data(), n, out + first);
-      });
+  for_each_chunk(program, count, 1, how,
+                 [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+                   auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), scratch_size(program, count));
+                   split(points + 3 * first, n, program.site().anchor, s.points);
+                   s.field.distance(s.points.read(), n, cancelled, s.out.x.data(), s.stats);
+                   std::copy_n(s.out.x.data(), n, out + first);
+                 });
 }
 
 template <class Real>
 void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
-  const auto octree = octree_for_points<Real>(program, points, count, how.listener);
+  const SharedField<Real> shared = field_of<Real>(program, points, count, how.listener);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s =
-            scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), scratch_size(program, count));
+        auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), scratch_size(program, count));
         split(points + 3 * first, n, program.site().anchor, s.points);
-        s.field.gradient(s.points.read(), n, cancelled, s.out.view());
+        s.field.gradient(s.points.read(), n, cancelled, s.out.view(), s.stats);
         for (std::size_t i = 0; i < n; ++i) {
           const bool is_nan = std::isnan(s.points.x[i]) || std::isnan(s.points.y[i]) || std::isnan(s.points.z[i]);
           const Real nan = std::numeric_limits<Real>::quiet_NaN();
@@ -222,15 +230,14 @@ void query_gradient(const Program& program, const double* points, std::size_t co
 template <class Real>
 void query_material(const Program& program, const double* points, const double* normals, std::size_t count, Real* out,
                     const Execution& how) {
-  const auto octree = octree_for_points<Real>(program, points, count, how.listener);
+  const SharedField<Real> shared = field_of<Real>(program, points, count, how.listener);
   std::vector<std::optional<MaterialScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s =
-            scratch_of(scratch, worker, program, octree.get(), how.isa->table<Real>(), scratch_size(program, count));
+        auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), scratch_size(program, count));
         split(points + 3 * first, n, program.site().anchor, s.points);
         split(normals + 3 * first, n, {}, s.normals);
-        s.material.run(s.field, s.points.read(), s.normals.read(), n, cancelled);
+        s.material.run(s.field, s.points.read(), s.normals.read(), n, cancelled, s.stats);
         const kernels::MaterialView<Real> found = s.material.view();
         const Real* const rows[Material::kSlots] = {found.albedo.x, found.albedo.y, found.albedo.z,    found.roughness,
                                                     found.specular, found.metallic, found.reflectivity};
@@ -246,27 +253,26 @@ template <class Real>
 void query_rays(const Program& program, const double* origins, const double* directions, std::size_t count,
                 const March& march, const Shading& shading, double t_max, const Hits<Real>& out, const Execution& how) {
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
-  const auto octree = octree_for_points<Real>(program, origins, count, how.listener, march, march.max_distance);
+  const SharedField<Real> shared = field_of<Real>(program, origins, count, how.listener, march, march.max_distance);
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(
-      program, count, static_cast<std::size_t>(march.max_steps), how,
-      [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s = scratch_of(scratch, worker, program, octree.get(), kernels, scratch_size(program, count));
-        set_rays(s, program.site(), origins + 3 * first, directions + 3 * first, n, march, t_max);
-        const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
-        const kernels::RayView<Real> rays = columns.view({s.batch.start.data(), 0}, {s.t_max.data(), 0}, n);
-        const kernels::MarchParameters<Real> parameters =
-            march_parameters(program, march, columns.epsilon_slope, cancelled);
-        kernels::Counters counters;
-        s.surface.field().march(rays, parameters, s.batch, out.steps ? out.steps + first : nullptr, counters);
-        for (std::size_t i = 0; i < n; ++i) {
-          out.t[first + i] = static_cast<Real>((s.lead[i] + static_cast<double>(s.batch.t[i])) / s.length[i]);
-        }
-        if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
-        if (out.position || out.normal || out.object_id || out.material_id) {
-          write_surfaces(s, program, first, n, columns, shading, out, cancelled);
-        }
-      });
+  for_each_chunk(program, count, static_cast<std::size_t>(march.max_steps), how,
+                 [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+                   auto& s = scratch_of(scratch, worker, shared, kernels, scratch_size(program, count));
+                   set_rays(s, program.site(), origins + 3 * first, directions + 3 * first, n, march, t_max);
+                   const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
+                   const kernels::RayView<Real> rays = columns.view({s.batch.start.data(), 0}, {s.t_max.data(), 0}, n);
+                   const kernels::MarchParameters<Real> parameters =
+                       march_parameters(program, march, columns.epsilon_slope, cancelled);
+                   s.surface.field().march(rays, parameters, s.batch, out.steps ? out.steps + first : nullptr, s.stats);
+                   for (std::size_t i = 0; i < n; ++i) {
+                     out.t[first + i] =
+                         static_cast<Real>((s.lead[i] + static_cast<double>(s.batch.t[i])) / s.length[i]);
+                   }
+                   if (out.status) std::copy_n(s.batch.status.data(), n, out.status + first);
+                   if (out.position || out.normal || out.object_id || out.material_id) {
+                     write_surfaces(s, program, first, n, columns, shading, out, cancelled);
+                   }
+                 });
 }
 
 template void query_distance(const Program&, const double*, std::size_t, float*, const Execution&);

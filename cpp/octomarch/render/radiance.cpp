@@ -34,12 +34,15 @@ void Radiance<Real>::follow_mirrors(SurfacePass<Real>& surface, const bool& canc
     const RayColumns<Real> columns = own_columns(batch.origin, batch.direction, mirror_->epsilon);
     const kernels::MarchParameters<Real> parameters =
         secondary_parameters(*picture_.program, picture_.march, columns.epsilon_slope, cancelled);
-    surface.field().march(columns.view({}, {nullptr, clamped<Real>(picture_.march.max_distance)}, count), parameters,
-                          batch, nullptr, stats.reflection);
-    stats.reflection_rays += count;
+    const kernels::Column<Real> t_max{nullptr, clamped<Real>(picture_.march.max_distance)};
+    {
+      const ScopedTimer timer(stats.reflection.seconds);
+      stats.reflection.count += count;
+      surface.field().march(columns.view({}, t_max, count), parameters, batch, nullptr, stats.reflection);
+    }
     if (is_set(cancelled)) return;
     surface.gather(batch, columns, count);
-    stats.gradient_evaluations += surface.find_normals(picture_.shading, cancelled);
+    surface.find_normals(picture_.shading, cancelled, stats.normals);
     light_wave(batch, columns, count, surface, cancelled, stats);
   }
 }
@@ -48,7 +51,7 @@ void Radiance<Real>::follow_mirrors(SurfacePass<Real>& surface, const bool& canc
 template <class Real>
 void Radiance<Real>::light_wave(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count,
                                 SurfacePass<Real>& surface, const bool& cancelled, RenderStats& stats) {
-  stats.surface_evaluations += materials_.run(surface, cancelled);
+  materials_.run(surface, cancelled, stats.materials);
   illumination_.run(surface, materials_, cancelled, stats);
   add_surfaces(surface, count);
 
@@ -92,7 +95,7 @@ void Radiance<Real>::add_surfaces(SurfacePass<Real>& surface, std::size_t count)
 
 template <class Real>
 void Radiance<Real>::add_sky(const bool& cancelled, RenderStats& stats) {
-  stats.sky_evaluations += sky_.run(cancelled);
+  sky_.run(cancelled, stats.sky);
   for (std::size_t i = 0; i < sky_.count(); ++i) add(sky_.ray(i), share(sky_.ray(i)), sky_.color, i);
 }
 

@@ -12,18 +12,7 @@ namespace octomarch {
 namespace {
 
 void add_all(RenderStats& sum, const RenderStats& part) {
-  sum.rays += part.rays;
-  add(sum.cones, part.cones);
-  add(sum.primary, part.primary);
-  add(sum.shadow, part.shadow);
-  add(sum.reflection, part.reflection);
-  sum.shadow_rays += part.shadow_rays;
-  sum.reflection_rays += part.reflection_rays;
-  sum.gradient_evaluations += part.gradient_evaluations;
-  sum.occlusion_evaluations += part.occlusion_evaluations;
-  sum.attribute_evaluations += part.attribute_evaluations;
-  sum.surface_evaluations += part.surface_evaluations;
-  sum.sky_evaluations += part.sky_evaluations;
+  for (const NamedStage& stage : kStages) sum.*stage.stats += part.*stage.stats;
   sum.seconds_march += part.seconds_march;
   sum.seconds_shade += part.seconds_shade;
   sum.seconds_reflect += part.seconds_reflect;
@@ -59,9 +48,8 @@ RenderStats render(const Picture& whole, const Planes<Real>& planes, const kerne
   const TileGrid grid(picture);
   const Expressions sky = planes.color ? compile_expressions(picture.scene->sky.color) : Expressions{};
   // mirror and shadow rays go as far from what camera rays have met
-  const std::shared_ptr<Octree<Real>> octree =
-      octree_for<Real>(*picture.program, picture.march, picture.camera.eye, 2.0 * picture.march.max_distance);
-  const std::size_t cells_before = octree ? octree->cells() : 0;
+  const SharedField<Real> field =
+      share_field<Real>(*picture.program, picture.march, true, picture.camera.eye, 2.0 * picture.march.max_distance);
   const unsigned workers = thread_count(threads);
   std::vector<std::unique_ptr<TileRenderer<Real>>> renderers(std::min<std::size_t>(workers, grid.count()));
   parallel_for(
@@ -69,7 +57,7 @@ RenderStats render(const Picture& whole, const Planes<Real>& planes, const kerne
       [&](std::size_t tile, std::size_t worker, const bool& cancelled) {
         auto& renderer = renderers[worker];
         if (!renderer) {
-          renderer = std::make_unique<TileRenderer<Real>>(picture, octree.get(), sky, planes, isa.table<Real>(), grid);
+          renderer = std::make_unique<TileRenderer<Real>>(picture, field, sky, planes, isa.table<Real>(), grid);
         }
         renderer->render(tile, cancelled);
       },
@@ -78,10 +66,7 @@ RenderStats render(const Picture& whole, const Planes<Real>& planes, const kerne
   for (const auto& renderer : renderers) {
     if (renderer) add_all(stats, renderer->stats());
   }
-  if (octree) {
-    stats.cells = octree->cells() - cells_before;
-    stats.cell_bytes = octree->bytes();
-  }
+  stats.cell_bytes = picture.program->octrees().bytes<Real>();
   return stats;
 }
 

@@ -8,6 +8,7 @@
 #include "octomarch/graph/scene.hpp"
 #include "octomarch/kernels/dispatch.hpp"
 #include "octomarch/program/program.hpp"
+#include "octomarch/render/stages.hpp"
 
 namespace octomarch {
 
@@ -38,32 +39,39 @@ struct Picture {
   int samples;  ///< of each pixel's colour, ≥ 1; other planes are of its centre
 };
 
-inline void add(kernels::Counters& sum, const kernels::Counters& part) {
-  sum.evaluations += part.evaluations;
-  sum.lane_slots += part.lane_slots;
-  sum.instructions += part.instructions;
-  sum.packets += part.packets;
-}
-
-/// Exact counts of the work, and seconds summed over the workers.
+/// Seconds are summed over the workers.
 struct RenderStats {
-  std::uint64_t rays = 0;   ///< primary ones
-  kernels::Counters cones;  ///< marched for the primary ones
-  kernels::Counters primary;
-  kernels::Counters shadow;
-  kernels::Counters reflection;
-  std::uint64_t shadow_rays = 0;
-  std::uint64_t reflection_rays = 0;
-  std::uint64_t gradient_evaluations = 0;
-  std::uint64_t occlusion_evaluations = 0;
-  std::uint64_t attribute_evaluations = 0;  ///< of object ids
-  std::uint64_t surface_evaluations = 0;    ///< of materials that differ from point to point
-  std::uint64_t sky_evaluations = 0;        ///< of a sky that differs from direction to direction
-  std::uint64_t cells = 0;                  ///< of the octree that were made
-  std::uint64_t cell_bytes = 0;             ///< of memory that they take
+  StageStats cones;              ///< about blocks of camera rays
+  StageStats primary;            ///< camera rays, of pixels that are in the crop
+  StageStats normals;            ///< of what camera and mirror rays met
+  StageStats objects;            ///< object ids
+  StageStats materials;          ///< that differ from point to point
+  StageStats occlusion;          ///< samples along normals
+  StageStats shadow;             ///< rays to lights
+  StageStats reflection;         ///< mirror rays
+  StageStats sky;                ///< where it differs from direction to direction
+  std::uint64_t cell_bytes = 0;  ///< of memory that the octrees' cells take
   double seconds_march = 0.0;
   double seconds_shade = 0.0;    ///< of what camera rays found
   double seconds_reflect = 0.0;  ///< marching and shading of mirror rays
+};
+
+struct NamedStage {
+  const char* name;
+  StageStats RenderStats::* stats;
+};
+
+/// In the order in which a picture has them.
+inline constexpr NamedStage kStages[] = {
+    {"cones", &RenderStats::cones},
+    {"primary", &RenderStats::primary},
+    {"normals", &RenderStats::normals},
+    {"objects", &RenderStats::objects},
+    {"materials", &RenderStats::materials},
+    {"occlusion", &RenderStats::occlusion},
+    {"shadow", &RenderStats::shadow},
+    {"reflection", &RenderStats::reflection},
+    {"sky", &RenderStats::sky},
 };
 
 /// Contract: width, height ≥ 1; the crop lies within them and is not empty; planes are as large as it. Throws what the listener throws.

@@ -29,11 +29,10 @@ void SkyPass<Real>::add(std::size_t ray, Real dx, Real dy, Real dz) {
 }
 
 template <class Real>
-std::uint64_t SkyPass<Real>::run(const bool& cancelled) {
-  if (!channels_ || count() == 0) return 0;
-  channels_->run(direction_.read(), direction_.read(), count(), cancelled);
+void SkyPass<Real>::run(const bool& cancelled, StageStats& stage) {
+  if (!channels_ || count() == 0) return;
+  channels_->run(direction_.read(), direction_.read(), count(), cancelled, stage);
   kernels_.clamp_colors(color.view(), count());
-  return count();
 }
 
 template class SkyPass<float>;

@@ -18,8 +18,8 @@ class SkyPass {
   void clear() { ray_.clear(); }
   /// Notes that ray number `ray` looks along a unit direction.
   void add(std::size_t ray, Real dx, Real dy, Real dz);
-  /// Finds the colours of all rays noted since clear(); returns evaluations made, none for a sky of one colour.
-  std::uint64_t run(const bool& cancelled);
+  /// Finds the colours of all rays noted since clear().
+  void run(const bool& cancelled, StageStats& stage);
 
   std::size_t count() const { return ray_.size(); }
   std::size_t ray(std::size_t i) const { return ray_[i]; }

@@ -61,30 +61,30 @@ void SurfacePass<Real>::gather(const RayBatch<Real>& batch, const RayColumns<Rea
 }
 
 template <class Real>
-std::uint64_t SurfacePass<Real>::find_normals(const Shading& shading, const bool& cancelled) {
-  std::uint64_t evaluations = count();
+void SurfacePass<Real>::find_normals(const Shading& shading, const bool& cancelled, StageStats& stage) {
+  const ScopedTimer timer(stage.seconds);
+  stage.count += count();
   if (shading.normals == Normals::kExact && !program_.is_solid()) {
-    field_.gradient(position.read(), count(), cancelled, normal.view());
+    stage.work.evaluations += count();
+    field_.gradient(position.read(), count(), cancelled, normal.view(), stage);
   } else {
     if (offsets_.empty()) offsets_ = program_.is_solid() ? neighbours<Real>() : stencil<Real>(shading.normals);
     const kernels::StencilView<Real> around{offsets_.data(), offsets_.size() / 3, clamped<Real>(shading.normal_step),
                                             program_.is_solid()};
-    field_.sample_around(position.read(), count(), around, cancelled, normal.view());
-    evaluations *= around.count;
+    stage.work.evaluations += count() * around.count;
+    field_.sample_around(position.read(), count(), around, cancelled, normal.view(), stage);
   }
   kernels_.normalize(view());
-  return evaluations;
 }
 
 template <class Real>
-std::uint64_t SurfacePass<Real>::find_objects(const bool& cancelled) {
+void SurfacePass<Real>::find_objects(const bool& cancelled, StageStats& stage) {
   if (!attributes_) {
     const Tape& tape = program_.attributes().tape;
     attributes_.emplace(tape, std::vector<Real*>{object_.data()}, field_.octree_of(tape, program_.octrees().attributes),
                         kernels_);
   }
-  attributes_->run(position.read(), normal.read(), count(), cancelled);
-  return count();
+  attributes_->run(position.read(), normal.read(), count(), cancelled, stage);
 }
 
 template <class Real>

@@ -22,10 +22,10 @@ class SurfacePass {
 
   /// Collects the rays whose status is kHit or kStepLimit.
   void gather(const RayBatch<Real>& batch, const RayColumns<Real>& rays, std::size_t count);
-  /// Unit normals; returns evaluations made.
-  std::uint64_t find_normals(const Shading& shading, const bool& cancelled);
-  /// Object ids, from the attribute program; returns evaluations made.
-  std::uint64_t find_objects(const bool& cancelled);
+  /// Unit normals.
+  void find_normals(const Shading& shading, const bool& cancelled, StageStats& stage);
+  /// Object ids, from the attribute program.
+  void find_objects(const bool& cancelled, StageStats& stage);
 
   std::size_t count() const { return ray_.size(); }
   /// Index in the batch of surface point i.

@@ -1,19 +1,10 @@
 #include "octomarch/render/tile.hpp"
 
 #include <array>
-#include <chrono>
 
 #include "octomarch/render/tile_pixels.hpp"
 
 namespace octomarch {
-
-namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
 
 TileGrid::TileGrid(const Picture& picture)
     : crop(picture.crop),
@@ -37,7 +28,7 @@ kernels::TileView TileGrid::tile(std::size_t index) const {
 }
 
 template <class Real>
-TileRenderer<Real>::TileRenderer(const Picture& picture, Octree<Real>* octree, const Expressions& sky,
+TileRenderer<Real>::TileRenderer(const Picture& picture, const SharedField<Real>& field, const Expressions& sky,
                                  const Planes<Real>& planes, const kernels::KernelTable<Real>& kernels,
                                  const TileGrid& grid)
     : picture_(picture),
@@ -51,7 +42,7 @@ TileRenderer<Real>::TileRenderer(const Picture& picture, Octree<Real>* octree, c
       batch_(kernels::padded_lanes(grid.rays())),
       epsilon_(lead_ > 0.0 ? batch_.t.size() : 0),
       steps_(batch_.t.size()),
-      field_(*picture.program, octree, kernels, grid.rays()) {
+      field_(field, kernels, grid.rays()) {
   if (needs_surface()) surface_.emplace(field_, kernels, batch_.t.size());
   if (planes.color) radiance_.emplace(picture, sky, kernels, batch_.t.size());
   if (planes.color && samples_.size() > 1) sum_ = Buffer<double>(3 * batch_.t.size());
@@ -118,30 +109,35 @@ template <class Real>
 void TileRenderer<Real>::pass(const kernels::TileView& tile, const PixelPoint& point, const Planes<Real>& planes,
                               const bool& cancelled) {
   planes_ = planes;
-  const auto start = std::chrono::steady_clock::now();
-  cast(tile, point);
-  march(tile, cancelled);
-  stats_.seconds_march += seconds_since(start);
+  {
+    const ScopedTimer timer(stats_.seconds_march);
+    cast(tile, point);
+    march(tile, cancelled);
+  }
   if (is_set(cancelled)) return;
+  {
+    const ScopedTimer timer(stats_.seconds_shade);
+    shade(tile, cancelled);
+  }
+  if (!planes_.color || is_set(cancelled)) return;
+  const ScopedTimer timer(stats_.seconds_reflect);
+  radiance_->follow_mirrors(*surface_, cancelled, stats_);
+  write_color(tile);
+}
 
-  const auto shading_start = std::chrono::steady_clock::now();
+/// Writes what is known of camera rays, and finds out about the surfaces that they met what the planes want.
+template <class Real>
+void TileRenderer<Real>::shade(const kernels::TileView& tile, const bool& cancelled) {
   write_rays(tile);
   if (needs_points()) clear(tile);
   if (needs_surface()) {
     surface_->gather(batch_, columns_, rays_);
     const bool lit = planes_.color && (radiance_->needs_normals() || surface_->has_candidates());
-    if (lit || planes_.normal) stats_.gradient_evaluations += surface_->find_normals(picture_.shading, cancelled);
-    if (planes_.object_id || planes_.material_id) stats_.attribute_evaluations += surface_->find_objects(cancelled);
+    if (lit || planes_.normal) surface_->find_normals(picture_.shading, cancelled, stats_.normals);
+    if (planes_.object_id || planes_.material_id) surface_->find_objects(cancelled, stats_.objects);
     if (needs_points()) write_surfaces(tile);
   }
   if (planes_.color) radiance_->light(batch_, columns_, rays_, *surface_, cancelled, stats_);
-  stats_.seconds_shade += seconds_since(shading_start);
-  if (!planes_.color || is_set(cancelled)) return;
-
-  const auto mirror_start = std::chrono::steady_clock::now();
-  radiance_->follow_mirrors(*surface_, cancelled, stats_);
-  stats_.seconds_reflect += seconds_since(mirror_start);
-  write_color(tile);
 }
 
 /// Rays through one point of each pixel of a tile.
@@ -166,7 +162,7 @@ void TileRenderer<Real>::keep_rays_of_crop(const kernels::TileView& tile) {
   Buffer<Real>& component = frame_.one_origin() ? batch_.direction.x : batch_.origin.x;
   std::size_t kept = 0;
   for_each_run(tile, grid_.crop, [&](std::size_t, std::size_t, std::size_t count) { kept += count; });
-  stats_.rays += kept;
+  stats_.primary.count += kept;
   for (std::size_t ray = 0; kept < rays_ && ray < rays_; ++ray) {
     if (!contains(grid_.crop, pixel_of(tile, ray))) component[ray] = std::numeric_limits<Real>::quiet_NaN();
   }
@@ -174,19 +170,20 @@ void TileRenderer<Real>::keep_rays_of_crop(const kernels::TileView& tile) {
 
 template <class Real>
 void TileRenderer<Real>::march(const kernels::TileView& tile, const bool& cancelled) {
-  kernels::Column<Real> t_max{nullptr, clamped<Real>(picture_.march.max_distance - lead_)};
+  const kernels::Column<Real> t_max{nullptr, clamped<Real>(picture_.march.max_distance - lead_)};
   const kernels::MarchParameters<Real> parameters =
       march_parameters(*picture_.program, picture_.march, columns_.epsilon_slope, cancelled);
   kernels::Column<Real> start{nullptr, parameters.t_min};
   if (lead_ > 0.0) start.value = clamped<Real>(picture_.march.min_distance + picture_.program->site().radius);
-  if (picture_.march.method == Method::kAuto) {
-    field_.advance_together(columns_.view(start, t_max, rays_), parameters, batch_.start, batch_.end, stats_.cones);
-    start.values = batch_.start.data();
-    if (is_bounded(picture_.program->site().bounds)) t_max.values = batch_.end.data();
+  const kernels::RayView<Real> rays = columns_.view(start, t_max, rays_);
+  const bool together = picture_.march.method == Method::kAuto;
+  if (together) {
+    const ScopedTimer timer(stats_.cones.seconds);
+    field_.advance_together(rays, parameters, batch_, stats_.cones);
   }
+  const ScopedTimer timer(stats_.primary.seconds);
   keep_rays_of_crop(tile);
-  field_.march(columns_.view(start, t_max, rays_), parameters, batch_, planes_.steps ? steps_.data() : nullptr,
-               stats_.primary);
+  field_.march(rays, parameters, batch_, planes_.steps ? steps_.data() : nullptr, stats_.primary, together);
 }
 
 template <class Real>

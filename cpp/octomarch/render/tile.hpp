@@ -32,9 +32,9 @@ struct TileGrid {
 template <class Real>
 class TileRenderer {
  public:
-  /// `sky`: the scene's, compiled; used where colour is wanted. `octree`: of the distance program, or null.
-  TileRenderer(const Picture& picture, Octree<Real>* octree, const Expressions& sky, const Planes<Real>& planes,
-               const kernels::KernelTable<Real>& kernels, const TileGrid& grid);
+  /// `sky`: the scene's, compiled; used where colour is wanted. `field`: shared by all.
+  TileRenderer(const Picture& picture, const SharedField<Real>& field, const Expressions& sky,
+               const Planes<Real>& planes, const kernels::KernelTable<Real>& kernels, const TileGrid& grid);
 
   /// Fills the planes of a tile. Colours of several samples take a pass for each, and the other planes one of their own
   /// through the pixels' centres.
@@ -46,6 +46,7 @@ class TileRenderer {
   void pass(const kernels::TileView& tile, const PixelPoint& point, const Planes<Real>& planes, const bool& cancelled);
   void cast(const kernels::TileView& tile, const PixelPoint& point);
   void march(const kernels::TileView& tile, const bool& cancelled);
+  void shade(const kernels::TileView& tile, const bool& cancelled);
   void keep_rays_of_crop(const kernels::TileView& tile);
   void clear(const kernels::TileView& tile);
   void write_rays(const kernels::TileView& tile);

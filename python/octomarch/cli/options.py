@@ -149,9 +149,10 @@ def check_output(path: Path, *suffixes: str) -> None:
 def summary(size: tuple[int, int], stats: Mapping[str, Any]) -> str:
     """Return what a picture took, in a line."""
     width, height = size
-    rays = stats["rays"] + stats["shadow_rays"] + stats["reflection_rays"]
-    marched = stats["primary_evaluations"] + stats["cone_evaluations"]
-    shading = sum(stats[f"{kind}_evaluations"] for kind in ("shadow", "reflection", "occlusion", "gradient"))
+    stages = stats["stages"]
+    rays = stats["rays"] + stages["shadow"]["count"] + stages["reflection"]["count"]
+    marched = stages["primary"]["evaluations"] + stages["cones"]["evaluations"]
+    shading = sum(stages[name]["evaluations"] for name in ("shadow", "reflection", "occlusion", "normals"))
     parts = [
         f"{width}x{height}",
         stats["isa"],

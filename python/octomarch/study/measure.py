@@ -102,7 +102,7 @@ def evaluations(image: Image) -> float:
     >>> evaluations(om.render(om.sphere(1.0), size=(32, 24))) > 1
     True
     """
-    return float((image.stats["primary_evaluations"] + image.stats["cone_evaluations"]) / image.stats["rays"])
+    return float((image.stats["stages"]["primary"]["evaluations"] + image.stats["stages"]["cones"]["evaluations"]) / image.stats["rays"])
 
 
 def paired_times(
