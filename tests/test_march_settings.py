@@ -87,7 +87,8 @@ def test_rays_that_begin_beyond_their_end_are_misses_and_cost_nothing(method: st
 
 def test_only_some_rays_of_a_packet_may_begin_beyond_their_end(isa: str):
     directions = np.array([[0, 0, -1.0]] * 13) * np.arange(1, 14)[:, None]
-    hits = om.sphere(1.0).raycast([0, 0, 3], directions, march=om.March(min_distance=1), t_max=0.2, isa=isa)
+    march = om.March("enhanced", min_distance=1)
+    hits = om.sphere(1.0).raycast([0, 0, 3], directions, march=march, t_max=0.2, isa=isa)
     assert_array_equal(hits.status == om.Status.MISS, np.arange(1, 14) < 10)
     assert_array_equal(hits.steps == 0, np.arange(1, 14) < 5)
 

@@ -7,6 +7,7 @@ import pytest
 
 import octomarch as om
 from octomarch.study.errors import depth_errors, percentiles, ray_errors
+from octomarch.study.measure import evaluations
 from octomarch.study.sample import windows
 from octomarch.study.truth import find_truth
 
@@ -68,8 +69,7 @@ def test_less_error_costs_more():
     costs = [om.March.for_error(shape, camera, p95, size=SMALL).measured for p95 in (1.0, 1e-2, 1e-5)]
     counted = [measured.evaluations for measured in costs]
     assert counted[0] < counted[1] <= counted[2] + SAMPLING
-    default = om.render(shape, camera, SMALL, planes=("depth",)).stats
-    of_defaults = (default["stages"]["primary"]["evaluations"] + default["stages"]["cones"]["evaluations"]) / default["rays"]
+    of_defaults = evaluations(om.render(shape, camera, SMALL, planes=("depth",)))
     assert counted[1] < of_defaults  # which are finer than that
 
 
@@ -81,8 +81,7 @@ def test_settings_are_the_cheapest_of_those_that_meet_the_target():
     for tolerance in (8.0, 4.0, 2.0, 1.0, 0.5, 0.2, 0.1):
         other = om.March(pixel_tolerance=tolerance)
         image = om.render(shape, camera, (64, 48), march=other, planes=("depth", "status"))
-        cost = (image.stats["stages"]["primary"]["evaluations"] + image.stats["stages"]["cones"]["evaluations"]) / image.stats["rays"]
-        if cost < march.measured.evaluations - 0.01:
+        if evaluations(image) < march.measured.evaluations - 0.01:
             assert percentiles(ray_errors(image.depth, truth))[1] > 1e-3
 
 

@@ -71,8 +71,8 @@ class Image:
     size: tuple[int, int]
     """(width, height)."""
     stats: dict[str, Any]
-    """What the picture cost: counts of rays, evaluations, instructions and packets, how full the lanes were, the octree's
-    ``cells`` and ``cell_bytes``, seconds; and the same of each stage by itself, in ``stages``."""
+    """What the picture cost: counts of rays, evaluations, instructions and packets, how full the lanes were, the
+    octree's ``cells`` and ``cell_bytes``, seconds; and the same of each stage by itself, in ``stages``."""
 
     def __init__(
         self,

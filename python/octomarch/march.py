@@ -76,11 +76,12 @@ class March:
         empty sphere touches the last, and go back where it does not, so they find the same surfaces: ``"relaxed"``
         steps by 1.6 r until it has to go back for the first time [2]_, ``"enhanced"`` by what the slope between the
         last two samples lets hope [3]_. ``"auto"`` takes the steps of ``"enhanced"``, and for pictures marches a cone
-        about each 8×8 pixels first, at whose end their rays begin [4]_. Of ``"fixed"`` a step is ``max(r, step)``, or
-        the hit epsilon where that is more. It also finds solids whose field says no more than inside and outside
-        (`octomarch.solid`), which are always marched by it, and may miss what is thinner than a step. Shadow rays
-        take longer steps only where the light is clear. ``"certified"`` is for those who must not miss anything; see
-        Notes for what it guarantees.
+        about each 8×8 pixels first, at whose end their rays begin [4]_; planes that the shape is united with, such as a
+        floor, it meets in closed form, and marches the rest alone, within its bounds. Of ``"fixed"`` a step is
+        ``max(r, step)``, or the hit epsilon where that is more. It also finds solids whose field says no more than
+        inside and outside (`octomarch.solid`), which are always marched by it, and may miss what is thinner than a
+        step. Shadow rays take longer steps only where the light is clear. ``"certified"`` is for those who must not
+        miss anything; see Notes for what it guarantees.
     max_steps : int, optional
         Evaluations per ray at the most, ≥ 1; those of cones are not counted. Rays that spend them all end as
         `Status.STEP_LIMIT`. None: 256; with certified steps 1024; with fixed steps as many as may be needed from

@@ -576,7 +576,8 @@ TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float
   std::vector<std::size_t> lengths;
   for (Octree<Real>* octree : {&roomy, &full}) {
     CellGroups<Real> groups(*octree, runner);
-    groups.sort(kCount, 3.0, never, [&](std::size_t i) { return points[i]; });
+    StageStats stage;
+    groups.sort(kCount, 3.0, never, stage, [&](std::size_t i) { return points[i]; });
     std::size_t length = 0;
     for (const CellGroup<Real>& group : groups.groups()) length += group.count * group.cell->part->code.size();
     lengths.push_back(length);

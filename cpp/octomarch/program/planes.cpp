@@ -12,6 +12,8 @@ namespace {
 constexpr int kDeepest = 64;
 /// Visits, after which all that is left stays as it is: what is shared again and again may have no end.
 constexpr int kMost = 1 << 20;
+/// Each costs every ray; an octree makes more of many.
+constexpr std::size_t kMostPlanes = 16;
 
 class Separation {
  public:
@@ -65,6 +67,7 @@ Separated separate_planes(const NodePtr& root, const Vec3& anchor) {
   Placement world;
   world.offset = Vec3{} - anchor;
   result.rest = Separation(result.planes).rest_of(root, world, 0);
+  if (result.planes.size() > kMostPlanes) return {{}, root};
   return result;
 }
 

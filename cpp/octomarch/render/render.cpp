@@ -66,7 +66,8 @@ RenderStats render(const Picture& whole, const Planes<Real>& planes, const kerne
   for (const auto& renderer : renderers) {
     if (renderer) add_all(stats, renderer->stats());
   }
-  stats.cell_bytes = picture.program->octrees().bytes<Real>();
+  if (field.octree) stats.cell_bytes += picture.program->octrees().template bytes<Real>();
+  if (field.rest_octree) stats.cell_bytes += field.apart->rest->octrees().template bytes<Real>();
   return stats;
 }
 

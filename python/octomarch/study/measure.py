@@ -27,7 +27,7 @@ from octomarch.study.settings import Setting
 from octomarch.study.truth import Answer
 
 _PLANES: tuple[PlaneName, ...] = ("color", "depth", "normal", "status")
-_SHADING = ("gradient", "shadow", "reflection", "occlusion")
+_SHADING = ("normals", "materials", "occlusion", "shadow", "reflection", "sky")
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ def measure(work: Measurement, progress: Callback | None = None) -> Measures:  #
     picture_times = paired_times(subject, setting, base, ("color",))
     return Measures(
         evaluations=evaluations(image),
-        shading_evaluations=sum(image.stats[f"{kind}_evaluations"] for kind in _SHADING) / rays,
+        shading_evaluations=sum(image.stats["stages"][stage]["evaluations"] for stage in _SHADING) / rays,
         **vars(depth_errors(image.depth, image.status, truth.depth, limit)),
         normal_p50=normal_p50,
         normal_p95=normal_p95,
@@ -102,7 +102,8 @@ def evaluations(image: Image) -> float:
     >>> evaluations(om.render(om.sphere(1.0), size=(32, 24))) > 1
     True
     """
-    return float((image.stats["stages"]["primary"]["evaluations"] + image.stats["stages"]["cones"]["evaluations"]) / image.stats["rays"])
+    stages = image.stats["stages"]
+    return float((stages["primary"]["evaluations"] + stages["cones"]["evaluations"]) / image.stats["rays"])
 
 
 def paired_times(

@@ -1,0 +1,92 @@
+"""What image.stats tells of the stages of a picture: sums that add up, and zeros for what was not asked for."""
+
+import numpy as np
+import pytest
+
+import octomarch as om
+from octomarch.planes import PLANES
+
+STAGES = ("cones", "primary", "normals", "objects", "materials", "occlusion", "shadow", "reflection", "sky")
+FLOOR = om.plane(point=(0, -1, 0)).paint(om.Material(om.checker(0.1, 0.9), reflectivity=0.3))
+FEW = om.sphere(1.0) | om.box(1.0).translate(2, 0, 0) | FLOOR
+MANY = om.spheres(np.random.default_rng(3).uniform(-2, 2, (300, 3)), np.full(300, 0.2)) | FLOOR
+CAMERA = om.Camera((4, 3, 8), (0, 0, 0))
+SIZE = (96, 64)
+
+
+def stats(shape: om.Shape, planes: str | tuple[str, ...] = tuple(PLANES), **options) -> dict:
+    scene = om.Scene(shape, lights=[om.DirectionalLight((-1, -2, -1))], ambient=0.3)
+    options = {"shading": om.Shading(bounces=1)} | options
+    return om.render(scene, CAMERA, SIZE, planes=planes, **options).stats
+
+
+@pytest.mark.parametrize("shape", [FEW, MANY], ids=["few", "many"])
+def test_stages_add_up(shape: om.Shape, isa: str, precision: str):
+    found = stats(shape, isa=isa, precision=precision)
+    stages = found["stages"]
+    assert tuple(stages) == STAGES
+    for name in ("evaluations", "instructions", "packets"):
+        assert found[name] == sum(stage[name] for stage in stages.values())
+    assert found["cells"] == sum(stage["cells_made"] for stage in stages.values())
+    assert found["rays"] == stages["primary"]["count"] == SIZE[0] * SIZE[1]
+    for name, stage in stages.items():
+        assert stage["count"] > 0, name
+        assert 0 < stage["occupancy"] <= 1, name
+        assert stage["instructions"] >= stage["evaluations"] > 0, name
+        assert 0 <= stage["refills"] <= stage["packets"], name
+        assert (stage["packets"] > 0) == (name in ("primary", "shadow", "reflection")), name
+        assert 0 < stage["seconds"] < 60, name
+        assert 0 <= stage["seconds_cells"] <= stage["seconds"], name
+        assert (stage["cells_visited"] > 0) >= (stage["cells_made"] > 0), name
+
+
+def test_counts_do_not_depend_on_threads_and_instruction_sets():
+    counts = []
+    for isa in om.isas():
+        for threads in (1, 2):
+            stages = stats(MANY, isa=isa, threads=threads)["stages"]
+            counts.append({name: (stage["count"], stage["evaluations"]) for name, stage in stages.items()})
+    assert all(count == counts[0] for count in counts)
+
+
+def test_short_programs_have_no_cells_and_run_whole():
+    found = stats(FEW)
+    assert found["cells"] == found["cell_bytes"] == found["seconds_cells"] == 0
+    program = om.compile(FEW)
+    occlusion = found["stages"]["occlusion"]
+    slots = occlusion["evaluations"] / occlusion["occupancy"]
+    assert occlusion["instructions"] == pytest.approx(slots * program.instructions)
+
+
+def test_long_programs_tell_of_their_cells():
+    shape = MANY.translate(0, 0.25, 0)  # a program that no other test has run
+    first, again = stats(shape), stats(shape)
+    assert first["cells"] > again["cells"] >= 0
+    assert first["cell_bytes"] > 0
+    assert first["seconds_cells"] > 0
+    for found in (first, again):
+        assert found["stages"]["primary"]["cells_visited"] > 0
+    whole = om.compile(shape).instructions
+    for name in ("primary", "shadow", "normals"):
+        stage = first["stages"][name]
+        assert stage["instructions"] < 0.7 * whole * stage["evaluations"] / stage["occupancy"], name
+
+
+@pytest.mark.parametrize(
+    ("planes", "stages"),
+    [
+        ("depth", {"cones", "primary"}),
+        ("normal", {"cones", "primary", "normals"}),
+        ("object_id", {"cones", "primary", "objects"}),
+        ("material_id", {"cones", "primary", "objects"}),
+        ("color", set(STAGES) - {"objects"}),
+    ],
+)
+def test_what_is_not_asked_for_counts_nothing(planes: str, stages: set[str]):
+    found = stats(FEW, planes)["stages"]
+    for name, stage in found.items():
+        if name in stages:
+            assert stage["evaluations"] > 0, name
+        else:
+            del stage["occupancy"]
+            assert not any(stage.values()), name
