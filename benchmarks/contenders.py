@@ -72,8 +72,8 @@ def engine(scene: Scene, isa: str, threads: int, finish: Literal["secant"] | Non
         image = om.render(
             scene.shape, camera, SIZE, march=march, planes=("depth",), precision="float32", threads=threads, isa=isa
         )
-        stats = image.stats
-        return Outcome(image.depth, stats["stages"]["primary"]["evaluations"] / stats["occupancy"] / stats["rays"])
+        stats, primary = image.stats, image.stats["stages"]["primary"]
+        return Outcome(image.depth, primary["evaluations"] / primary["occupancy"] / stats["rays"])
 
     suffix = {1: "", 2: ", two threads"}[threads] + (f", {finish} finish" if finish else "")
     key = f"{isa}/engine{threads}" + (f"-{finish}" if finish else "")

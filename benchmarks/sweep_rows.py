@@ -78,12 +78,12 @@ def total(row: Row) -> float:
 
 def others(row: Row) -> float:
     """Return evaluations per pixel of object ids, materials and skies."""
-    return float(sum(row["evaluations"][kind] for kind in ("attribute", "surface", "sky")))
+    return float(sum(row["evaluations"][kind] for kind in ("objects", "materials", "sky")))
 
 
 def marched(row: Row) -> float:
     """Return evaluations per pixel until its ray has arrived, those of its cone included."""
-    return float(row["evaluations"]["primary"] + row["evaluations"]["cone"])
+    return float(row["evaluations"]["primary"] + row["evaluations"]["cones"])
 
 
 def scene_title(row: Row) -> str:

@@ -55,7 +55,7 @@ def methods(rows: list[Row]) -> str:
                 f"`{row['method']}`",
                 spread(row),
                 f"{row['evaluations']['primary']:.1f}",
-                f"{row['evaluations']['cone']:.2f}",
+                f"{row['evaluations']['cones']:.2f}",
                 *(f"{error[key]:.1e}" for key in ("p50", "p95", "p99")),
                 f"{error['false_hits']:,}",
                 f"{error['false_misses']:,}",

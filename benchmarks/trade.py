@@ -94,7 +94,7 @@ def row(
         "method": method,
         "finish": finish,
         "tolerance": tolerance,
-        "evaluations": counts["primary"] + counts["cone"],
+        "evaluations": counts["primary"] + counts["cones"],
         **{name: None if value == math.inf else value for name, value in errors.items()},
         "truth": str(true),
         "same_bits": same,

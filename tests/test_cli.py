@@ -41,10 +41,10 @@ def test_render_counts_all_that_evaluates_the_field(tmp_path: Path, capsys: pyte
     assert main(["render", str(tmp_path / "shot.json"), "-o", str(tmp_path / "shot.png")]) == 0
     output = capsys.readouterr().out
     stats = shot.render().stats
-    kinds = ("primary", "cone", "shadow", "reflection", "occlusion", "gradient")
-    counts = {kind: stats[f"{kind}_evaluations"] for kind in kinds}
+    stages = ("primary", "cones", "shadow", "reflection", "occlusion", "normals")
+    counts = {name: stats["stages"][name]["evaluations"] for name in stages}
     assert all(counts.values())
-    per_ray = (counts["primary"] + counts["cone"]) / stats["rays"]
+    per_ray = (counts["primary"] + counts["cones"]) / stats["rays"]
     assert f"{per_ray:.1f} evaluations per primary ray" in output
     assert f"{sum(counts.values()) / (48 * 36):.1f} per pixel with shading" in output
 

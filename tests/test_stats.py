@@ -72,6 +72,20 @@ def test_long_programs_tell_of_their_cells():
         assert stage["instructions"] < 0.7 * whole * stage["evaluations"] / stage["occupancy"], name
 
 
+@pytest.mark.parametrize("normals", ["exact", "central", "tetrahedron"])
+def test_points_without_a_gradient_are_counted(normals: str, isa: str):
+    x, y, z = om.coordinates()
+    step = om.field(om.where(x * x + y * y + z * z < 1, -0.5, 0.01), lipschitz=1, bounds=((-2, -2, -2), (2, 2, 2)))
+    shading = om.Shading(normals=normals, normal_step=1e-4)
+    options = {"planes": ("normal", "status"), "shading": shading, "isa": isa}
+    image = om.render(step, om.OrthographicCamera((0, 0, 5), (0, 0, 0), height=1), (33, 21), **options)
+    assert (image.status == om.Status.HIT).all()
+    faces_ray = (image.normal == (0, 0, 1)).all(axis=-1)
+    assert 0.99 * faces_ray.size < image.stats["without_gradient"] <= faces_ray.sum()  # differences may cross the edge
+    smooth = om.render(om.sphere(2.0), om.Camera((0, 0, 5), (0, 0, 0)), (33, 21), **options)
+    assert smooth.stats["without_gradient"] == 0
+
+
 @pytest.mark.parametrize(
     ("planes", "stages"),
     [

@@ -155,8 +155,12 @@ def _switched_off(feature: Feature, plan: Plan) -> Row:
 
 
 def different_counts(stats: dict[str, Any], others: dict[str, Any]) -> int:
-    """Return how many counts of work differ; seconds are none."""
-    return sum(value != others[name] for name, value in stats.items() if isinstance(value, int))
+    """Return in how many stages of two pictures the counts of work differ; seconds are none."""
+
+    def counts(stage: dict[str, Any]) -> dict[str, int]:
+        return {name: value for name, value in stage.items() if isinstance(value, int)}
+
+    return sum(counts(stage) != counts(others["stages"][name]) for name, stage in stats["stages"].items())
 
 
 def different_pixels(image: om.Image, other: om.Image) -> int:

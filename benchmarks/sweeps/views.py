@@ -14,10 +14,6 @@ from peers.tasks import Light, Mode, Task
 from scenes import EPSILON, MAX_STEPS, SCENES, spheres
 
 MODES: Sequence[Mode] = ("depth", "shaded")
-FIELD = ("cone", "primary", "gradient", "shadow", "reflection", "occlusion")
-"""What evaluates the field."""
-OTHERS = ("attribute", "surface", "sky")
-"""What evaluates object ids, materials and skies."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +78,6 @@ def view(name: str, n: int = 0) -> View:
 
 
 def evaluations(image: om.Image) -> dict[str, float]:
-    """Return how often programs were evaluated per pixel, by what for."""
+    """Return how often programs were evaluated per pixel, by each stage."""
     width, height = image.size
-    return {kind: image.stats[f"{kind}_evaluations"] / (width * height) for kind in (*FIELD, *OTHERS)}
+    return {name: stage["evaluations"] / (width * height) for name, stage in image.stats["stages"].items()}

@@ -70,6 +70,7 @@ py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned 
   dict["instructions"] = all.work.instructions;
   dict["occupancy"] = occupancy(all.work);
   dict["packets"] = all.work.packets;
+  dict["without_gradient"] = stats.normals.without;
   dict["cells"] = all.cells_made;
   dict["cell_bytes"] = stats.cell_bytes;
   dict["seconds_cells"] = all.cell_seconds;

@@ -311,8 +311,8 @@ struct KernelTable {
   /// Fills position, direction and epsilon of surface points: point i is that of ray indices[i] at t[indices[i]].
   void (*surface_points)(const RayView<Real>&, Real epsilon_slope, const Real* t, const std::uint32_t* indices,
                          const SurfaceView<Real>&);
-  /// Gradients in surface.normal become unit normals, −direction where there is none.
-  void (*normalize)(const SurfaceView<Real>&);
+  /// Gradients in surface.normal become unit normals, −direction where there is none; returns how many those are.
+  std::size_t (*normalize)(const SurfaceView<Real>&);
   /// Fills facing and origin = position + 2·epsilon·facing. A normal that faces away, where a ray grazes an edge
   /// within the hit epsilon, is turned until it is square to the ray.
   void (*face_rays)(const SurfaceView<Real>&);

@@ -45,22 +45,33 @@ void meet_planes(const PlanesView<Real>& planes, const RayView<Real>& rays, cons
   }
 }
 
+/// Sets those of a block's kLanes bytes whose bit is set.
+inline void set_bytes(std::uint8_t* bytes, std::uint64_t bits, std::uint8_t value) {
+  if (bits == ~std::uint64_t{0}) {
+    __builtin_memset(bytes, value, kLanes);
+    return;
+  }
+  for (; bits != 0; bits &= bits - 1) bytes[__builtin_ctzll(bits)] = value;
+}
+
 template <class Real>
 void take_planes(const RayView<Real>& rays, const MarchParameters<Real>& parameters, const Real* met,
                  const MarchState<Real>& state, std::uint8_t* status) {
   using T = Lanes<Real>;
   for_each_block(rays.count, status, kMiss, [&](std::size_t first, std::uint64_t misses) {
+    std::uint64_t hits = 0;
+    std::uint64_t inside = 0;
     for (std::size_t lane = 0; misses != 0 && lane < kLanes; lane += kWidth<Real>) {
       const std::size_t i = first + lane;
       const T t = T::load(met + i);
       const Mask<Real> meets = Mask<Real>::from_bits(misses >> lane) & (t <= at(rays.t_max, i));
       select(meets, t, T::load(state.t + i)).store(state.t + i);
-      const std::uint64_t inside = (meets & (t <= T(parameters.t_min))).bits();
-      for (std::uint64_t left = meets.bits(); left != 0; left &= left - 1) {
-        const auto k = static_cast<std::size_t>(__builtin_ctzll(left));
-        status[i + k] = (inside >> k & 1U) != 0 ? kInside : kHit;
-      }
+      const Mask<Real> is_inside = meets & (t <= T(parameters.t_min));
+      inside |= is_inside.bits() << lane;
+      hits |= (meets & !is_inside).bits() << lane;
     }
+    set_bytes(status + first, hits, kHit);
+    set_bytes(status + first, inside, kInside);
   });
 }
 

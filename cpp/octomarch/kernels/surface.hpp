@@ -119,12 +119,19 @@ void sample_around(const TapeView<Real>& tape, Real* registers, const Vectors<co
   }
 }
 
+/// Has a vector of this length, squared, a direction?
+template <class T>
+auto is_usable(const T& length2) {
+  using Real = typename T::Real;
+  return (length2 > T(Real(0))) & (length2 < T(std::numeric_limits<Real>::infinity()));
+}
+
 /// v / ‖v‖, or `otherwise` where v has no usable length.
 template <class T>
 ops::Triple<T> unit_or(const ops::Triple<T>& v, const ops::Triple<T>& otherwise) {
   using Real = typename T::Real;
   const T length2 = square(v.x) + square(v.y) + square(v.z);
-  const auto usable = (length2 > T(Real(0))) & (length2 < T(std::numeric_limits<Real>::infinity()));
+  const auto usable = is_usable(length2);
   const T inverse = T(Real(1)) / sqrt(length2);
   return {select(usable, v.x * inverse, otherwise.x), select(usable, v.y * inverse, otherwise.y),
           select(usable, v.z * inverse, otherwise.z)};
@@ -174,12 +181,20 @@ void surface_points(const RayView<Real>& rays, Real epsilon_slope, const Real* t
 }
 
 template <class Real>
-void normalize(const SurfaceView<Real>& surface) {
+std::size_t normalize(const SurfaceView<Real>& surface) {
+  std::size_t without = 0;
   const std::size_t end = batches<Real>(surface.count) * kWidth<Real>;
   for (std::size_t i = 0; i < end; i += kWidth<Real>) {
     const auto d = load3(surface.direction, i);
-    store3({unit_or(load3(surface.normal, i), {-d.x, -d.y, -d.z})}, surface.normal, i);
+    const auto n = load3(surface.normal, i);
+    const std::size_t lanes = surface.count - i;
+    const std::uint64_t used = lanes < kLanes ? (std::uint64_t{1} << lanes) - 1 : ~std::uint64_t{0};
+    const std::uint64_t usable = is_usable(square(n.x) + square(n.y) + square(n.z)).bits();
+    const std::uint64_t batch = ~std::uint64_t{0} >> (kLanes - kWidth<Real>);
+    without += static_cast<std::size_t>(__builtin_popcountll(~usable & used & batch));
+    store3({unit_or(n, {-d.x, -d.y, -d.z})}, surface.normal, i);
   }
+  return without;
 }
 
 template <class Real>

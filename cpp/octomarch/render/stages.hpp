@@ -14,6 +14,7 @@ namespace octomarch {
 struct StageStats {
   std::uint64_t count = 0;          ///< rays, cones or points that the stage had to do with
   kernels::Counters work;           ///< evaluations are of the field, or of the stage's own expressions
+  std::uint64_t without = 0;        ///< points of those that have no gradient: their normals face the ray
   std::uint64_t cells_visited = 0;  ///< groups of rays or points that the program of their cell was run for
   std::uint64_t cells_made = 0;
   double cell_seconds = 0.0;  ///< that making them took
@@ -22,6 +23,7 @@ struct StageStats {
   StageStats& operator+=(const StageStats& part) {
     count += part.count;
     work += part.work;
+    without += part.without;
     cells_visited += part.cells_visited;
     cells_made += part.cells_made;
     cell_seconds += part.cell_seconds;

@@ -74,7 +74,7 @@ void SurfacePass<Real>::find_normals(const Shading& shading, const bool& cancell
     stage.work.evaluations += count() * around.count;
     field_.sample_around(position.read(), count(), around, cancelled, normal.view(), stage);
   }
-  kernels_.normalize(view());
+  stage.without += kernels_.normalize(view());
 }
 
 template <class Real>
