@@ -74,10 +74,12 @@ def test_notebooks_are_given_the_widget_and_a_picture(viewer: om.Viewer):
 
 def test_the_picture_is_of_what_is_seen_now(viewer: om.Viewer):
     viewer.plane = "depth"
-    before = viewer._repr_mimebundle_()[0]["image/png"]
-    viewer.scene = om.box(1.0)
-    after = viewer._repr_mimebundle_()[0]["image/png"]
-    assert before != after
+    image = om.render(BALL, CAMERA, (64, 48), planes=("depth",))
+    assert viewer._repr_mimebundle_()[0]["image/png"] == image._repr_png_()
+    assert viewer.widget.picture == image._repr_png_()  # for pages without a kernel, and until it answers
+    viewer.plane, viewer.scene = "error", om.box(1.0)
+    picture = np.asarray(PIL.Image.open(io.BytesIO(viewer._repr_mimebundle_()[0]["image/png"])))
+    assert_array_equal(picture, om.render(om.box(1.0), CAMERA, (64, 48)).to_srgb())
 
 
 def test_the_widget_goes_into_boxes(viewer: om.Viewer):

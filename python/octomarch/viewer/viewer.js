@@ -1,5 +1,6 @@
 // The viewer's front end: what the hand does goes to Python, which sends pictures back; `messages.py` says how they talk.
-// `model` needs `send(message)` and `on("msg:custom", (message, buffers) => …)`: a widget's model, or that of `page.html`.
+// `model` needs `send(message)`, `on("msg:custom", (message, buffers) => …)` and `get("picture")`, a PNG file to begin with, or
+// nothing: it is a widget's model, or that of `page.html`.
 //
 // What the hand does while inputs are in flight is added up, and goes as one when an answer has come, so that the latest
 // wins however slow pictures are.
@@ -240,11 +241,13 @@ function render({ model, el }) {
   };
   const sliders = Object.fromEntries(["max_steps", "epsilon", "pixel_tolerance"].map((name) =>
     [name, slider(name, (change) => inputs.add(change))]));
-  el.append(element("div", { className: "octomarch-viewer" },
+  const root = element("div", { className: "octomarch-viewer" },
     element("div", { className: "picture" }, canvas, cross, legend, picked, failure),
     element("div", { className: "panel" },
       element("div", { className: "buttons" }, planes, home, defaults),
-      ...Object.values(sliders).map(({ row }) => row), beside.table)));
+      ...Object.values(sliders).map(({ row }) => row), beside.table));
+  root.dataset.lmSuppressShortcuts = true; // JupyterLab's: keys are the viewer's while it has the focus
+  el.append(root);
 
   followHand(canvas, (change) => (change.pick ? inputs.add(change) : moved(change)));
   planes.addEventListener("change", () => inputs.add({ plane: planes.value }));
@@ -261,10 +264,20 @@ function render({ model, el }) {
     return times.length > 2 ? (1000 * (times.length - 1)) / (now - times[0]) : 0;
   };
 
+  const resize = (width, height) => {
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    Object.assign(canvas.style, { width: `${width}px`, aspectRatio: `${width} / ${height}` });
+  };
+
+  const drawFirst = async (file) => {
+    const bitmap = await createImageBitmap(new Blob([file], { type: "image/png" }));
+    if (received) return;
+    resize(bitmap.width, bitmap.height);
+    canvas.getContext("2d").drawImage(bitmap, 0, 0);
+  };
+
   const onState = ({ size, plane, planes: names, sliders: states }) => {
-    canvas.style.aspectRatio = size.join(" / ");
-    canvas.style.width = `${size[0]}px`;
-    if (canvas.width !== size[0] || canvas.height !== size[1]) [canvas.width, canvas.height] = size;
+    resize(...size);
     planes.replaceChildren(...names.map((name) => element("option", { value: name, textContent: TITLES[name] })));
     planes.value = plane;
     for (const [name, state] of Object.entries(states)) sliders[name].set(state);
@@ -305,6 +318,8 @@ function render({ model, el }) {
     }
     return inputs.answered(message.answers);
   };
+  const first = model.get("picture");
+  if (first?.byteLength) drawFirst(first);
   model.on("msg:custom", onMessage);
   model.send({ kind: "hello" });
   return () => model.off("msg:custom", onMessage);

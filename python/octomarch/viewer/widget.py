@@ -193,8 +193,11 @@ class Viewer:
         """Show the widget, or, where widgets do not run, a picture."""
         found = self._widget._repr_mimebundle_() or {}
         data, metadata = found if isinstance(found, tuple) else (found, {})
-        picture = take(self._engine.view, Quality(), whole=True).to_png_bytes()
-        return {**data, "text/plain": repr(self), "image/png": picture}, metadata
+        view = self._engine.view
+        picture = take(view, Quality(), whole=True)
+        shown = picture if view.plane == "error" else Image({view.plane: getattr(picture, view.plane)})
+        self._widget.picture = png = shown._repr_png_()
+        return {**data, "text/plain": repr(self), "image/png": png}, metadata
 
     def _receive(self, _: Any, message: Message, __: list[Any]) -> None:
         self._engine.receive(message)
@@ -208,6 +211,7 @@ def _widget_class() -> Any:
     """Return the class of widgets whose front end is ``viewer.js``."""
     try:
         import anywidget  # here, since few need it
+        import traitlets
     except ImportError as error:
         raise ImportError("viewers need anywidget: pip install 'octomarch[notebook]'") from error
 
@@ -216,5 +220,6 @@ def _widget_class() -> Any:
 
         _esm = _HERE / "viewer.js"
         _css = _HERE / "viewer.css"
+        picture = traitlets.Bytes().tag(sync=True)  # shown until the kernel answers, or for ever where there is none
 
     return Widget
