@@ -72,7 +72,7 @@ def mesh(
         result.visual.vertex_colors = png.levels(linear) if colors == "srgb" else _bytes(linear)
     result.metadata["evaluations"] = field.evaluations
     result.metadata["spacing"] = field.grid.spacing
-    return result
+    return result  # type: ignore[no-any-return, unused-ignore]
 
 
 def _libraries() -> tuple[Any, Any]:

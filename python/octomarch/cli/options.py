@@ -119,7 +119,7 @@ def executor(options: argparse.Namespace) -> Iterator[Executor | None]:
             from distributed import Client
         except ImportError as error:
             raise ImportError('a cluster needs Dask: pip install "octomarch[cluster]"') from error
-        with Client(options.cluster) as client:
+        with Client(options.cluster) as client:  # type: ignore[no-untyped-call, unused-ignore]
             yield client
     else:
         yield None
