@@ -3,7 +3,7 @@
 Space is cut into cells. Cubes of cells are halved, and those that the field's Lipschitz bound proves free of surface
 are left out [1]_, so that values are known at the corners of cells near the surface only. Marching cubes [2]_
 (libigl's) joins these cells; each vertex then goes along its cell's edge to the root of the field there. It never
-leaves that edge, so the mesh stays as closed as marching cubes made it.
+leaves that edge, so the mesh stays as closed as marching cubes made it. `creases` brings edges and corners back.
 
 .. [1] J. C. Hart, "Sphere tracing", The Visual Computer 12(10), 1996: the empty ball about a point.
 .. [2] W. E. Lorensen, H. E. Cline, "Marching cubes", SIGGRAPH 1987.
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from octomarch import _validate as check
 from octomarch import png
 from octomarch._validate import VectorLike
+from octomarch.creases import with_creases
 from octomarch.primitives import box
 
 if TYPE_CHECKING:
@@ -40,6 +41,7 @@ _CORNERS = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [0, 0, 1], [1, 
 _BESIDE = 1.5 + np.array([0.1213, 0.1481, 0.0917]) / math.sqrt(2)
 _ROOM = 1 + 1e-9  # for roundings of distances and of cells' corners
 _CLOSE = 1e-9  # of the grid's diagonal: a vertex is on the surface
+_MOST_PROJECTIONS = 8
 _MOST_STEPS = 60  # of the search along an edge, a third of which halve what is left
 
 
@@ -64,7 +66,12 @@ def mesh(
         raise ValueError(f"no surface was found between {_point(lo)} and {_point(hi)} at resolution={resolution}")
     crossings, faces, _ = igl.marching_cubes(values, lattice.astype(np.float64), corners, 0.0)
     start, end = np.floor(crossings), np.ceil(crossings)
-    vertices = _on_surface(field, start, end, _looked_up(field, lattice, values, start, end))
+    crossings = _on_surface(field, start, end, _looked_up(field, lattice, values, start, end))
+    vertices = field.points(crossings)
+    if not math.isinf(field.reach):
+        slopes = _unit(part.gradient(vertices, threads=threads))
+        points, faces = with_creases(crossings, slopes, faces, field.project)
+        vertices = np.concatenate([vertices, field.points(points)])
     result = trimesh.Trimesh(vertices, faces, process=False)
     result.vertex_normals = _normals(part, vertices, result, threads)
     if colors is not None:
@@ -159,6 +166,22 @@ class _Sampled:
             raise ValueError(f"the shape has no distance at {_point(points[unknown][0])}: its field is no number there")
         return values
 
+    def project(self, lattice: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Take points between lattice points to the surface, by Newton's steps; tell which have come there."""
+        close = _CLOSE * self.grid.diagonal
+        found = lattice.copy()
+        values = self(found)
+        for _ in range(_MOST_PROJECTIONS):
+            far = np.flatnonzero(np.abs(values) > close)
+            if not len(far):
+                break
+            slopes = self._shape.gradient(self.points(found[far]), threads=self._threads)
+            square = np.einsum("ij,ij->i", slopes, slopes)
+            steps = np.divide(values[far], square, out=np.zeros(len(far)), where=square > 0) / self.grid.spacing
+            found[far] -= np.clip(steps, -1.0, 1.0)[:, np.newaxis] * slopes
+            values[far] = self(found[far])
+        return found, np.abs(values) <= close
+
     def may_cross(self, cubes: Integers, size: int) -> NDArray[np.bool_]:
         """Tell which cubes of `size` cells, given by their lowest corners, may hold surface."""
         if math.isinf(self.reach):
@@ -235,7 +258,7 @@ def _looked_up(field: _Sampled, lattice: Integers, values: Floats, *wanted: Floa
 
 
 def _on_surface(field: _Sampled, start: Floats, end: Floats, values: list[Floats]) -> Floats:
-    """Return where the field has its roots between lattice points, whose values are known.
+    """Return, in cells, where the field has its roots between lattice points whose values are known.
 
     Secants find them. After the second of two the end that stayed counts half, as the Illinois method does it, and
     every third step halves what is left, so that fields which jump come to an end as well.
@@ -261,17 +284,24 @@ def _on_surface(field: _Sampled, start: Floats, end: Floats, values: list[Floats
         active = active[(np.abs(value) > close) & (high[active] - low[active] > _CLOSE)]
         if not len(active):
             break
-    return field.points(start + (end - start) * best[:, np.newaxis])
+    found: Floats = start + (end - start) * best[:, np.newaxis]
+    return found
 
 
 def _normals(shape: Shape, vertices: Floats, faces: trimesh.Trimesh, threads: int | None) -> Floats:
     """Return unit gradients; where there is none, as on solids, what the faces around a vertex say."""
-    gradient = shape.gradient(vertices, threads=threads)
+    normals = _unit(shape.gradient(vertices, threads=threads))
+    missing = ~normals.any(axis=1)
+    if missing.any():
+        normals[missing] = faces.vertex_normals[missing]
+    return normals
+
+
+def _unit(gradient: NDArray[Any]) -> Floats:
+    """Return gradients at unit length, 0 where there is none."""
     length = np.linalg.norm(gradient, axis=-1, keepdims=True)
     usable = np.isfinite(length) & (length > 0)
     normals: Floats = np.divide(gradient, length, out=np.zeros_like(gradient), where=usable)
-    if not usable.all():
-        normals = np.where(usable, normals, faces.vertex_normals)
     return normals
 
 

@@ -145,14 +145,13 @@ class Shape(Placement, Deformation):
         """Return the surface as triangles, for other programs: STL, PLY, OBJ, GLB.
 
         Vertices lie on the surface, have the exact normals of the field and the colours of the materials. The mesh is
-        closed. It is made by marching cubes from values near the surface alone, so that work grows with the square of
-        `resolution`. Needs the extra ``mesh``: trimesh and libigl.
+        closed, and has the edges and corners of the shape. It is made by marching cubes from values near the surface
+        alone, so that work grows with the square of `resolution`. Needs the extra ``mesh``: trimesh and libigl.
 
         Parameters
         ----------
         resolution : int
-            Number of cells along the longest edge of the bounds, 2 to 4096. What is thinner than a cell may be lost,
-            and edges are cut off by less than a cell.
+            Number of cells along the longest edge of the bounds, 2 to 4096. What is thinner than a cell may be lost.
         bounds : (lo, hi), optional
             Two corners of a box that the shape is cut to. Needed where `Shape.bounds` is infinite.
         colors : {"srgb", "linear"}, optional
