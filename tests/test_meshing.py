@@ -249,7 +249,7 @@ def test_mesh_refuses_what_is_no_number():
         PART.mesh(bounds=3)
 
 
-@pytest.mark.parametrize("name", ["trimesh", "igl"])
+@pytest.mark.parametrize("name", ["trimesh", "igl", "scipy.sparse"])
 def test_mesh_says_what_to_install(name: str, monkeypatch: pytest.MonkeyPatch):
     real = builtins.__import__
 

@@ -98,7 +98,7 @@ def with_creases(
 
 def _patches(vertices: Floats, normals: Floats, faces: Integers) -> tuple[Integers, Integers]:
     """Return which triangles lie in cells that a crease passes, and the number of each one's connected patch there."""
-    from scipy.sparse import coo_array  # libigl needs it too
+    from scipy.sparse import coo_array  # here, as all that the extra brings
     from scipy.sparse.csgraph import connected_components
 
     cells = np.floor(vertices[faces].mean(axis=1)).astype(np.int64)

@@ -85,6 +85,7 @@ def mesh(
 def _libraries() -> tuple[Any, Any]:
     try:
         import igl
+        import scipy.sparse  # noqa: F401  creases needs it
         import trimesh
     except ImportError as error:
         raise ImportError(f'meshes need {error.name}: pip install "octomarch[mesh]"', name=error.name) from None

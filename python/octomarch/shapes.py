@@ -146,7 +146,7 @@ class Shape(Placement, Deformation):
 
         Vertices lie on the surface, have the exact normals of the field and the colours of the materials. The mesh is
         closed, and has the edges and corners of the shape. It is made by marching cubes from values near the surface
-        alone, so that work grows with the square of `resolution`. Needs the extra ``mesh``: trimesh and libigl.
+        alone, so that work grows with the square of `resolution`. Needs the extra ``mesh``: trimesh, libigl, scipy.
 
         Parameters
         ----------
