@@ -82,7 +82,7 @@ def test_secant_finish_brings_hits_far_nearer(solid: tuple[om.Shape, FirstRoot],
     root = first_root(origins, unit)
     errors = {}
     for finish in ("secant", None):
-        march = om.March(epsilon=1e-3, max_distance=100, finish=finish)
+        march = om.March("enhanced", epsilon=1e-3, max_distance=100, finish=finish)
         hits = shape.raycast(origins, unit, march=march, isa=isa)
         met = (hits.status == om.Status.HIT) & np.isfinite(root)
         errors[finish] = np.abs(hits.t[met] - root[met])
@@ -117,7 +117,7 @@ def test_spent_steps_are_never_a_miss(max_steps: int, isa: str, precision: str):
     """Rays that graze the floor come down far away, and each answer keeps them before it."""
     angles = np.geomspace(1e-4, 1, 65)
     directions = np.stack([np.cos(angles), -np.sin(angles), 0 * angles], axis=-1)
-    march = om.March(max_steps=max_steps, epsilon=1e-6, max_distance=1e6)
+    march = om.March("enhanced", max_steps=max_steps, epsilon=1e-6, max_distance=1e6)
     hits = om.plane().raycast([0, 1, 0], directions, march=march, precision=precision, isa=isa)
     assert (hits.status != om.Status.MISS).all()
     spent = hits.status == om.Status.STEP_LIMIT
@@ -210,7 +210,7 @@ def test_a_ray_alongside_a_plane_takes_no_secant(rise: float, isa: str):
 
     Where the distance rises, the secant through the last two samples has its root far behind the origin.
     """
-    march = om.March(epsilon=0, max_distance=1e6, max_steps=2_000_000)
+    march = om.March("enhanced", epsilon=0, max_distance=1e6, max_steps=2_000_000)
     hits = om.plane().raycast([0, 1e-3, 0], [1, rise, 0], march=march, precision="float32", isa=isa)
     assert hits.status == om.Status.HIT
     assert (16 * 2.0**-24 - rise) * hits.t == pytest.approx(1e-3, rel=1e-4)
@@ -219,7 +219,7 @@ def test_a_ray_alongside_a_plane_takes_no_secant(rise: float, isa: str):
 def test_the_finish_never_leads_behind_the_camera(isa: str, precision: str):
     """Rays that rise more slowly than their pixels widen end above the floor; their secant meets it behind the eye."""
     camera = om.Camera((0, 0.01, 0), (1, 0.01, 0), fov=10)
-    march = om.March(epsilon=1e-6, pixel_tolerance=20)
+    march = om.March("enhanced", epsilon=1e-6, pixel_tolerance=20)
     image = om.render(
         om.plane(), camera, (16, 16), march=march, planes=("depth", "status"), precision=precision, isa=isa
     )

@@ -119,7 +119,16 @@ def test_rays_that_are_none_are_invalid():
 def test_planes_alone_are_a_shape():
     corner = FLOOR | om.plane(normal=(1, 0, 0), point=(-1, 0, 0))
     hits = cast(corner, (2, 0, 0), (-1, -1.0, 0))
-    assert hits.t[0] == pytest.approx(1.0, abs=1e-5)
+    assert (hits.t[0], hits.steps[0], hits.status[0]) == (pytest.approx(1.0, abs=1e-12), 0, HIT)
+    assert cast(corner, (2, 0, 0), (1, 0, 0)).status[0] == MISS
+    assert cast(corner, (2, -3, 0), (1, 0, 0)).status[0] == INSIDE
+    assert cast(corner, (2, np.nan, 0), (1, 0, 0)).status[0] == om.Status.INVALID
+    scene = om.Scene(corner, lights=[om.DirectionalLight((-1, -1, 0)), om.DirectionalLight((1, -1, 0))], ambient=0.0)
+    image = om.render(scene, om.Camera((3, 2, 5), (0, -1, 0)), (40, 30), planes=("color", "normal", "steps"))
+    on_floor = image.normal[..., 1] > 0.5
+    assert on_floor.sum() > 300
+    assert (image.color[on_floor] > 0).all()
+    assert image.stats["evaluations"] == image.stats["stages"]["normals"]["evaluations"]
 
 
 # Against marches without closed forms ---------------------------------------------------------------------------------

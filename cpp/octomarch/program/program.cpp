@@ -68,8 +68,9 @@ const Expressions& Program::surface() const {
 const Apart* Program::apart() const {
   std::call_once(apart_once_, [this] {
     Separated separated = separate_planes(root_, site_.anchor);
-    if (separated.planes.empty() || !separated.rest) return;
-    apart_ = Apart{std::move(separated.planes), std::make_unique<const Program>(separated.rest, site_.anchor)};
+    if (separated.planes.empty()) return;
+    apart_ = Apart{std::move(separated.planes), nullptr};
+    if (separated.rest) apart_->rest = std::make_unique<const Program>(separated.rest, site_.anchor);
   });
   return apart_ ? &*apart_ : nullptr;
 }

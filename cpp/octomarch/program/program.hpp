@@ -62,7 +62,7 @@ struct Expressions {
 struct ProgramOctrees;
 class Program;
 
-/// A shape's planes, and the program of all the rest, which has the same anchor.
+/// A shape's planes, and the program of all the rest, which has the same anchor; null where nothing is left.
 struct Apart {
   std::vector<Plane> planes;
   std::unique_ptr<const Program> rest;
@@ -96,8 +96,8 @@ class Program {
   const Aabb& bounds() const { return bounds_; }
   /// The bounded part of the shape (a floor leaves it alone); nothing when no part is bounded.
   const std::optional<Aabb>& focus() const { return focus_; }
-  /// The field as planes and a rest, of which it is the least; null where it has no planes, or nothing else. Compiled when
-  /// first asked for.
+  /// The field as planes and a rest, of which it is the least; null where it has no planes. Compiled when first
+  /// asked for.
   const Apart* apart() const;
   /// Octrees of the tapes, which stay as long as the program.
   ProgramOctrees& octrees() const { return *octrees_; }

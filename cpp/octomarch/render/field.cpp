@@ -39,7 +39,8 @@ SharedField<Real> share_field(const Program& program, const March& march, bool m
                            march.method == Method::kAuto};
   if (!shared.clips || march.bias != 0.0 || program.is_solid()) return shared;
   shared.apart = program.apart();
-  if (many && shared.apart != nullptr) shared.rest_octree = octree_for<Real>(*shared.apart->rest, march, from, reach);
+  if (shared.apart == nullptr || !shared.apart->rest) return shared;
+  if (many) shared.rest_octree = octree_for<Real>(*shared.apart->rest, march, from, reach);
   return shared;
 }
 
@@ -60,6 +61,7 @@ Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<R
     for (const double number : plane) planes_.push_back(static_cast<Real>(number));
   }
   met_ = Buffer<Real>(kernels::padded_lanes(size));
+  if (!shared.apart->rest) return;
   rest_ = std::make_unique<Field>(
       SharedField<Real>{shared.apart->rest.get(), shared.rest_octree, nullptr, nullptr, clips_}, kernels, size);
 }

@@ -73,6 +73,7 @@ class Field {
                      StageStats& stage);
   void cast_limited_shadows(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch, Real* visibility,
                             StageStats& stage);
+  void march_nothing(Rays rays, const Parameters& parameters, RayBatch<Real>& batch, std::int32_t* steps);
   void meet_planes(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch);
   static Rays ending_at(const Buffer<Real>& end, Rays rays);
   Rays clipped(Rays rays, Real widening, const Parameters& parameters, RayBatch<Real>& batch) const;
@@ -128,7 +129,7 @@ class Field {
   std::vector<std::int32_t> taken_;                   ///< steps of each ray so far
   std::vector<Real> planes_;                          ///< apart from the rest
   Buffer<Real> met_;                                  ///< where rays meet the first of them
-  std::unique_ptr<Field> rest_;                       ///< what is to be marched, where there are planes
+  std::unique_ptr<Field> rest_;                       ///< what is marched beside planes; null where that is nothing
 };
 
 }  // namespace octomarch

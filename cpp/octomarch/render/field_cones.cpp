@@ -23,9 +23,10 @@ constexpr double kRoomForHits = 4.0;
 template <class Real>
 void Field<Real>::advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                                    RayBatch<Real>& batch, StageStats& stage) {
-  if (rest_) {
+  if (!planes_.empty()) {
     meet_planes(rays, parameters, batch);
-    return rest_->advance_together(ending_at(batch.end, rays), parameters, batch, stage);
+    if (rest_) rest_->advance_together(ending_at(batch.end, rays), parameters, batch, stage);
+    return;
   }
   constexpr std::size_t kRays = Cones::kMost * kernels::kLanes;
   for (std::size_t first = 0; first < rays.count; first += kRays) {

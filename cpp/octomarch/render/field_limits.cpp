@@ -10,9 +10,10 @@ namespace octomarch {
 template <class Real>
 void Field<Real>::march(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch, std::int32_t* steps,
                         StageStats& stage, bool advanced) {
-  if (rest_) {
+  if (!planes_.empty()) {
     if (!advanced) meet_planes(rays, parameters, batch);
-    rest_->march(ending_at(batch.end, rays), parameters, batch, steps, stage, advanced);
+    if (rest_) rest_->march(ending_at(batch.end, rays), parameters, batch, steps, stage, advanced);
+    if (!rest_) march_nothing(rays, parameters, batch, steps);
     return kernels_.take_planes(rays, parameters, met_.data(), batch.state(nullptr), batch.status.data());
   }
   if (!advanced) return march_limited(clipped(rays, Real(0), parameters, batch), parameters, batch, steps, stage);
@@ -24,13 +25,24 @@ void Field<Real>::march(const Rays& rays, const Parameters& parameters, RayBatch
 template <class Real>
 void Field<Real>::cast_shadows(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch, Real* visibility,
                                StageStats& stage) {
-  if (!rest_) {
+  if (planes_.empty()) {
     // r ≥ t/k dims nothing
     return cast_limited_shadows(clipped(rays, Real(1) / parameters.k, parameters, batch), parameters, batch, visibility,
                                 stage);
   }
-  rest_->cast_shadows(rays, parameters, batch, visibility, stage);
+  if (rest_) rest_->cast_shadows(rays, parameters, batch, visibility, stage);
+  if (!rest_) std::fill_n(visibility, kernels::padded_lanes(rays.count), Real(1));
   kernels_.dim_by_planes(planes(), rays, parameters, visibility);
+}
+
+/// All rays end where they begin.
+template <class Real>
+void Field<Real>::march_nothing(Rays rays, const Parameters& parameters, RayBatch<Real>& batch, std::int32_t* steps) {
+  const State state = batch.state(steps);
+  rays.t_max = {nullptr, Real(-1)};
+  kernels_.begin_march(rays, parameters, kernels::kNothingBefore<Real>, state);
+  std::fill_n(state.pause, kernels::padded_lanes(rays.count), static_cast<std::uint8_t>(kernels::Pause::kEnded));
+  kernels_.conclude(rays, parameters, state, batch.status.data());
 }
 
 /// Finds where rays meet the first plane, and ends them there.
@@ -73,6 +85,7 @@ Aabb Field<Real>::bounds_on_grid() const {
 #define OCTOMARCH_LIMITS_OF(Real)                                                                                      \
   template void Field<Real>::march(const Rays&, const Parameters&, RayBatch<Real>&, std::int32_t*, StageStats&, bool); \
   template void Field<Real>::cast_shadows(const Rays&, const Parameters&, RayBatch<Real>&, Real*, StageStats&);        \
+  template void Field<Real>::march_nothing(Rays, const Parameters&, RayBatch<Real>&, std::int32_t*);                   \
   template void Field<Real>::meet_planes(const Rays&, const Parameters&, RayBatch<Real>&);                             \
   template kernels::RayView<Real> Field<Real>::ending_at(const Buffer<Real>&, Rays);                                   \
   template Aabb Field<Real>::bounds_on_grid() const;
