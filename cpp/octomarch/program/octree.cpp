@@ -137,6 +137,7 @@ std::unique_ptr<typename Octree<Real>::Cell> Octree<Real>::make_apart(const Cell
   const std::size_t after = part ? part->code.size() : before;
   const bool is_stalled = static_cast<double>(after) > kStall * static_cast<double>(before);
   const bool is_detail = cell->region.hi[0] - cell->region.lo[0] < focus_size_ * Real(kDetail);
+  cell->is_shorter = !is_stalled;
   cell->stalled = is_detail && is_stalled ? parent.stalled + 1 : 0;
   cell->is_leaf = after <= kShort || cell->stalled >= most_stalls(after) || is_small(cell->region);
   // little less is no less: what costs memory must save work

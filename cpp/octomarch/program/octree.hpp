@@ -27,6 +27,7 @@ class Octree {
     std::shared_ptr<const TapePart> part;  ///< of the tape, that decides in the region
     unsigned stalled;                      ///< ancestors in a row, and itself, that left much of what they had
     bool is_leaf;
+    bool is_shorter = true;  ///< did it leave out much of what its parent has?
     std::array<std::atomic<Cell*>, 8> children{};
 
     /// Which child holds a point.
