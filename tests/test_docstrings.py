@@ -17,6 +17,7 @@ MODULES = sorted(
 )
 NEEDED = {
     "octomarch.movies": "imageio",
+    "octomarch.outlines": "matplotlib",
     "octomarch.viewer.widget": "anywidget",
 }
 """Modules of extras that examples need."""

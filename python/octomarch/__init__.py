@@ -55,6 +55,7 @@ from octomarch.materials import Material
 from octomarch.movies import write_movie
 from octomarch.noises import fractal_noise, noise
 from octomarch.operators import difference, intersection, metaballs, union
+from octomarch.outlines import from_path, text
 from octomarch.png import write_png
 from octomarch.primitives import box, capsule, cylinder, plane, rounded_box, sphere, torus
 from octomarch.program import Program, compile
@@ -153,6 +154,7 @@ __all__ = [
     "floor",
     "fract",
     "fractal_noise",
+    "from_path",
     "gyroid",
     "hexagonal_prism",
     "image_texture",
@@ -197,6 +199,7 @@ __all__ = [
     "stripes",
     "study",
     "tan",
+    "text",
     "torus",
     "triangular_prism",
     "turntable",

@@ -6,14 +6,18 @@ their plane, turned about z, scaled or mirrored they stay flat. Arguments are ch
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from octomarch import _core
+from octomarch import _core, _rings
 from octomarch import _validate as check
+from octomarch._rings import Ring
 from octomarch._validate import Vec2, VectorLike
 from octomarch.shapes import Shape
 
@@ -116,13 +120,18 @@ def rectangle(size: float | VectorLike, center: VectorLike = MIDDLE) -> Shape:
     return _centred(_core.rectangle(sides), center)
 
 
-def polygon(corners: Sequence[VectorLike]) -> Shape:
+def polygon(
+    corners: Sequence[VectorLike] | NDArray[Any],
+    holes: Sequence[Sequence[VectorLike] | NDArray[Any]] | NDArray[Any] = (),
+) -> Shape:
     """Return a flat polygon, exact inside and outside [1]_.
 
     Parameters
     ----------
     corners : sequence of (x, y)
         At least three, either way round. Where edges cross, what they enclose twice counts as outside.
+    holes : sequence of sequences of (x, y)
+        Polygons within it that are cut out, apart from each other; then no edges may cross.
 
     Returns
     -------
@@ -132,7 +141,8 @@ def polygon(corners: Sequence[VectorLike]) -> Shape:
     Raises
     ------
     TypeError, ValueError
-        If `corners` are no pairs of finite numbers, or fewer than three.
+        If `corners` are no pairs of finite numbers, or fewer than three; the same of each of `holes`. With holes: where
+        edges cross, or a hole lies outside or in another hole.
 
     References
     ----------
@@ -144,11 +154,16 @@ def polygon(corners: Sequence[VectorLike]) -> Shape:
     >>> house = om.polygon([(-1, 0), (1, 0), (1, 1), (0, 2), (-1, 1)])
     >>> house.extrude(3).distance([[0, 3, 0], [0, 1, 0], [0, 0.5, 2]]).round(6).tolist()
     [1.0, -0.707107, 0.5]
+    >>> frame = om.polygon([(0, 0), (3, 0), (0, 3)], holes=[[(0.5, 0.5), (1, 0.5), (0.5, 1)]])
+    >>> frame.distance([[0.6, 0.6, 0], [0.25, 0.6, 0]]).round(6).tolist()
+    [0.1, -0.25]
     """
-    rows = isinstance(corners, np.ndarray) and corners.ndim == 2
-    items = list(corners) if rows else check.sequence("corners", corners, "pairs (x, y)")
-    flat = [check.pair(f"corners[{i}]", corner) for i, corner in enumerate(items)]
-    return Shape(_core.polygon([coordinate for corner in flat for coordinate in corner]))
+    outline = _ring("corners", corners)
+    hollow = holes if isinstance(holes, np.ndarray) and holes.ndim == 3 else check.sequence("holes", holes, "polygons")
+    inner = [_ring(f"holes[{i}]", hole) for i, hole in enumerate(hollow)]
+    _require_apart(outline, inner)
+    body, *cuts = (Shape(_core.polygon(ring.ravel().tolist())) for ring in (outline, *inner))
+    return body.difference(*cuts) if cuts else body
 
 
 def regular_polygon(sides: int, radius: float, center: VectorLike = MIDDLE) -> Shape:
@@ -250,6 +265,34 @@ def segment(a: VectorLike, b: VectorLike, radius: float) -> Shape:
     along_x = circle(radius).elongate((length, 0.0, 0.0))
     laid = along_x.rotate(math.degrees(math.atan2(by - ay, bx - ax)), "z")
     return laid.translate(ax / 2 + bx / 2, ay / 2 + by / 2, 0.0)
+
+
+def _ring(name: str, corners: object) -> Ring:
+    rows = isinstance(corners, np.ndarray) and corners.ndim == 2
+    items = list(corners) if rows else check.sequence(name, corners, "pairs (x, y)")  # type: ignore[call-overload]
+    pairs = [check.pair(f"{name}[{i}]", corner) for i, corner in enumerate(items)]
+    if len(pairs) < 3:
+        raise ValueError(f"{name} must be three points or more, got {len(pairs)}")
+    return np.array(pairs)
+
+
+def _require_apart(outline: Ring, holes: list[Ring]) -> None:
+    """Hold the rings of a polygon with holes against what makes the difference of both exact."""
+    if not holes:
+        return
+    rings = {"corners": outline, **{f"holes[{i}]": hole for i, hole in enumerate(holes)}}
+    for (a, ring), (b, other) in itertools.combinations_with_replacement(rings.items(), 2):
+        if (point := _rings.crossing(ring, other)) is not None:
+            wanted = f"cross {b}" if a != b else "cross itself"
+            raise ValueError(
+                f"{a} must not {wanted} in a polygon with holes, got edges that do at {_rings.shown(point)}"
+            )
+    for i, hole in enumerate(holes):
+        if not _rings.lies_in(hole, outline):
+            raise ValueError(f"holes[{i}] must lie within corners, got one outside at {_rings.shown(hole[0])}")
+        for j, other in enumerate(holes):
+            if i != j and _rings.lies_in(hole, other):
+                raise ValueError(f"holes[{i}] must not lie within another hole, got one within holes[{j}]")
 
 
 def _centred(node: _core.Node, center: VectorLike) -> Shape:
