@@ -132,6 +132,10 @@ HEXAGON = np.stack([np.sin(SIXTHS), 0 * SIXTHS, np.cos(SIXTHS)], -1)
 CAPS = np.array([[0.0, 1, 0], [0, -1, 0]])
 SIDES = np.array([[2.0, 1, 0], [-2, 1, 0], [0, 1, 2], [0, 1, -2]])
 
+INDEX = np.stack(np.meshgrid(*[np.linspace(-1, 1, 5)] * 3, indexing="ij"))
+HALF_SPACE = [om.grid(INDEX[0] / 2 + INDEX[1], ((-1, -1, -1), (1, 1, 1)), kind) for kind in ("linear", "cubic")]
+CUT_HALF_SPACE = convex(np.concatenate([[[0.5, 1, 0]], np.eye(3), -np.eye(3)]), np.array([0.0] + [1] * 6))
+
 SOLIDS: dict[str, tuple[om.Shape, FirstRoot]] = {
     "sphere": (om.sphere(1.0), sphere),
     "plane": (om.plane((1, 2, 2), (0, -0.5, 0)), plane),
@@ -155,4 +159,6 @@ SOLIDS: dict[str, tuple[om.Shape, FirstRoot]] = {
         angle,
     ),
     "ellipsoid": (om.ellipsoid((1.5, 1, 1.25)), ellipsoid),
+    "samples": (HALF_SPACE[0], CUT_HALF_SPACE),
+    "samples, cubic": (HALF_SPACE[1], CUT_HALF_SPACE),
 }

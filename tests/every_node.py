@@ -21,6 +21,8 @@ def shapes() -> list[om.Shape]:
         om.metaballs(ball, om.torus(0.7, 0.1, axis="z"), om.cylinder(0.2, 0.9, axis=(1, 2, 3)), k=0.05),
         om.plane((0, 1, 0.1), (0, -1, 0)) & om.cylinder(0.1, axis="x") & om.capsule((0, 0, 0), (0.3, 0.1, 0), 0.07),
         om.capped_cone(0.4, 0.2, 0.6, axis="y") | om.octahedron(0.4) | om.pyramid(0.3, 0.6),
+        om.grid(grid_values() - 0.2, ((-0.6, -0.7, -0.8), (0.7, 0.6, 0.5))),
+        om.grid(grid_values() - 0.3, ((-0.6, -0.5, -0.8), (0.7, 0.6, 0.5)), "cubic"),
         om.field(om.sqrt(x * x + y * y + z * z) - 0.3, lipschitz=1),
         om.field(om.length(x, y) - 0.3, lipschitz=1, bounds=((-1, -1, -0.5), (1, 1, 0.5))),
         om.solid((abs(x) < 0.2) & (y <= 0.3) & ~(z < -0.2)) & om.sphere(0.5),
@@ -30,6 +32,12 @@ def shapes() -> list[om.Shape]:
         cube.repeat((2, 0, 3), counts=(3, None, None)).mirror("x").elongate((0.1, 0, 0.2)),
         cube.twist(30, axis="y") | cube.bend(20),
     ]
+
+
+def grid_values() -> np.ndarray:
+    """Return samples that are no distances."""
+    i, j, k = np.meshgrid(np.arange(5), np.arange(6), np.arange(7), indexing="ij")
+    return np.hypot(i - 2, j - 2.5) / 5 + np.cos(k) / 8
 
 
 def materials() -> list[om.Material]:

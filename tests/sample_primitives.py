@@ -67,6 +67,17 @@ def _link(straight: float, radius: float, tube: float) -> Sample:
     return Sample(om.link(straight, radius, tube), straight + width, 2, reach)
 
 
+def _grid(seed: int, size: tuple[int, int, int], kind: str) -> Sample:
+    """Of random samples: roundings of these weigh as much as the field between them is steep."""
+    rng = np.random.default_rng(seed)
+    values = rng.uniform(-0.5, 0.5, size)
+    lo, hi = -rng.uniform(0.3, 1.5, 3), rng.uniform(0.3, 1.5, 3)
+    shape = om.grid(values, (lo, hi), kind)
+    reach = np.maximum(-lo, hi)
+    gain = 1 + om.compile(shape).lipschitz + 4 * float(max((np.array(size) - 1) / (hi - lo)))
+    return Sample(shape, float(np.linalg.norm(reach)), 4, reach, monotone=False, gain=gain)
+
+
 triple = st.tuples(length, length, length)
 PRIMITIVES: dict[str, st.SearchStrategy[Sample]] = {
     "sphere": st.builds(_sphere, length),
@@ -83,6 +94,12 @@ PRIMITIVES: dict[str, st.SearchStrategy[Sample]] = {
     "ellipsoid": st.builds(_ellipsoid, st.tuples(positive, positive, positive)),
     "prism": st.builds(_prism, st.sampled_from([3, 6]), length, length, axis),
     "link": st.builds(_link, length, length, length),
+    "grid": st.builds(
+        _grid,
+        st.integers(0, 2**31),
+        st.tuples(st.integers(2, 5), st.integers(2, 4), st.integers(2, 6)),
+        st.sampled_from(["linear", "cubic"]),
+    ),
     "flat": flat,
     "extruded": st.builds(extruded, flat, length),
     "revolved": st.builds(revolved, flat, length),

@@ -16,6 +16,7 @@ MODULES = sorted(
     if module.name not in ("octomarch._core", "octomarch.__main__")
 )
 NEEDED = {
+    "octomarch.meshes": "igl",
     "octomarch.movies": "imageio",
     "octomarch.outlines": "matplotlib",
     "octomarch.viewer.widget": "anywidget",

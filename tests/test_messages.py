@@ -7,6 +7,7 @@ through as an error of numpy, of Python, or of a line deep inside.
 import inspect
 import re
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -61,7 +62,7 @@ SHOWN = {
     "a path": "/nowhere",
 }
 """What has to stand in the message."""
-ONE_BY_ONE = {"corners", "stops", "lights", "planes", "groups", "scenes", "cameras", "bounds"}
+ONE_BY_ONE = {"corners", "holes", "stops", "lights", "planes", "groups", "scenes", "cameras", "bounds"}
 """Arguments whose items are told alone."""
 
 
@@ -79,7 +80,7 @@ def test_everything_public_is_called():
     errors = {"CancelledError", "FramesError", "RenderWarning", "SceneError"}
     of_any_number = {"union", "intersection", "difference", "metaballs", "length", "minimum", "maximum"}
     without = {"build_info", "coordinates", "isas", "normals"}
-    extras = {"view", "Viewer", "write_movie"} - set(NAMES)
+    extras = {"from_mesh", "from_path", "text", "view", "Viewer", "write_movie"} - set(NAMES)
     assert given - made - errors - of_any_number - without - extras == {name for name in NAMES if "." not in name}
 
 
@@ -88,7 +89,11 @@ def test_nonsense_is_told_by_name_and_value(
     name: str, table: dict[str, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.chdir(tmp_path)  # some nonsense is a path
-    function, arguments = table[name]
+    refuse_nonsense(*table[name])
+
+
+def refuse_nonsense(function: Callable[..., Any], arguments: dict[str, Any]) -> None:
+    """Call a function with nonsense for each of some arguments that it takes."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", om.RenderWarning)
         function(**arguments)

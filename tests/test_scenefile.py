@@ -79,7 +79,7 @@ def test_all_there_is_comes_back():
 
 def test_parameters_do_not_hide_each_other():
     for kind, parameters in _core.node_kinds().items():
-        names = ["kind", "children", "texels", *(name for name, _, _ in parameters)]
+        names = ["kind", "children", "texels", "values", *(name for name, _, _ in parameters)]
         assert len(set(names)) == len(names), kind
 
 

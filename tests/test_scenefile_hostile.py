@@ -100,6 +100,17 @@ NODES = [
     ("coordinate", "index", 6, r"index must be 0 to 5, got 6"),
     ("noise", "seed", -1, r"seed must be a whole number"),
     ("texel", "wrap", 3, r"wrap must be 0, 1 or 2, got 3"),
+    ("grid", "values", "AAAA", r"values (cannot be unpacked|must be at least)"),
+    ("grid", "values", 5, r"values must be base64, got 5"),
+    ("grid", "texels", "", r"texels is unknown"),
+    ("grid", "size", [5, 6, 8], r"values must be 960 bytes once unpacked, got"),
+    ("grid", "size", [1, 30, 7], r"values must be an array with 2 or more along each axis, got \(1, 30, 7\)"),
+    ("grid", "size", [1e9, 1e9, 1e9], r"values must be at least .* packed bytes for the grid's size"),
+    ("grid", "interpolation", 2, r"interpolation must be 0 or 1, got 2"),
+    ("grid", "lipschitz", 0.25, r"lipschitz must be >= 1\.\d+, the values' slope, got 0\.25"),
+    ("grid", "steepness", 0, r"steepness must be finite and > 0, got 0"),
+    ("grid", "lo", [0, 0, "inf"], r"lo\[2\] must be finite"),
+    ("grid", "lo", [0, 9, 0], r"bounds must be two finite corners"),
     ("image", "width", 0, r"width must be >= 1, got 0|texels must be at least"),
     ("image", "width", 1e9, r"texels must be at least .* packed bytes for the image's size, got \d+"),
     ("image", "width", 3, r"texels must be 72 bytes once unpacked, got"),
@@ -120,7 +131,7 @@ def test_every_part_of_a_node_must_be_there(kind: str):
     place = WHOLE["nodes"].index(node(WHOLE, kind))
     for key in node(WHOLE, kind):
         without = edited(lambda document, key=key: node(document, kind).pop(key))
-        assert re.match(rf"nodes\[{place}\]\.(children|texels|{key} is missing)", refusal(without))
+        assert re.match(rf"nodes\[{place}\]\.(children|texels|values|{key} is missing)", refusal(without))
 
 
 def test_children_are_of_the_right_sort():

@@ -46,12 +46,14 @@ from octomarch.functions import (
     sqrt,
     tan,
 )
+from octomarch.grids import grid
 from octomarch.image import Image
 from octomarch.lights import DirectionalLight, PointLight, SpotLight
 from octomarch.machine import build_info, isas
 from octomarch.many import boxes, capsules, spheres
 from octomarch.march import March, Status
 from octomarch.materials import Material
+from octomarch.meshes import from_mesh
 from octomarch.movies import write_movie
 from octomarch.noises import fractal_noise, noise
 from octomarch.operators import difference, intersection, metaballs, union
@@ -154,7 +156,9 @@ __all__ = [
     "floor",
     "fract",
     "fractal_noise",
+    "from_mesh",
     "from_path",
+    "grid",
     "gyroid",
     "hexagonal_prism",
     "image_texture",

@@ -1,8 +1,8 @@
 """Nodes of the graph as plain data, and back from plain data of unknown origin; `_document` keeps them in files.
 
 A node is an object such as ``{"kind": "union", "k": 0.25, "children": [0, 1]}``: its kind and parameters by the names
-of cpp/octomarch/graph/nodes.def, and the places of its children, which stand before it. Images hold their texels as
-base64 of zlib-compressed little-endian 32-bit floats.
+of cpp/octomarch/graph/nodes.def, and the places of its children, which stand before it. Images and grids hold their
+texels and samples as base64 of zlib-compressed little-endian 32-bit floats.
 """
 
 from __future__ import annotations
@@ -21,7 +21,10 @@ from octomarch import _core
 from octomarch import _validate as check
 
 _KINDS = _core.node_kinds()
-_FIELDS = {kind: {"kind", "children", "texels", *(name for name, _, _ in _KINDS[kind])} for kind in _KINDS}
+_ARRAYS = {"image": "texels", "grid": "values"}
+_FIELDS = {
+    kind: {"kind", "children", _ARRAYS.get(kind, "texels"), *(name for name, _, _ in _KINDS[kind])} for kind in _KINDS
+}
 _WHOLE = ("axis", "whole")
 _INFINITIES = {"inf": math.inf, "-inf": -math.inf}
 _MOST_UNPACKED = (
@@ -74,7 +77,7 @@ def _plain(
     if children:
         result["children"] = children
     if texels is not None:
-        result["texels"] = _packed(texels)
+        result[_ARRAYS[kind]] = _packed(texels)
     return result
 
 
@@ -108,7 +111,8 @@ def _append(nodes: _core.NodeList, item: object, place: str) -> None:
         else:
             parameters += [_number(place, f"{name}[{i}]", number) for i, number in enumerate(value)]
     children = _children(item, place, len(nodes))
-    texels = _unpacked(item, parameters, place) if "texels" in item else None
+    array = _ARRAYS.get(kind, "texels")
+    texels = _unpacked(item, array, parameters, place) if array in item else None
     try:
         nodes.append(kind, parameters, children, texels)
     except ValueError as error:
@@ -145,18 +149,19 @@ def _packed(texels: NDArray[np.float32]) -> str:
     return base64.b64encode(packed).decode("ascii")
 
 
-def _unpacked(item: dict[str, Any], size: list[float], place: str) -> NDArray[np.float32]:
-    """Return the texels of an image whose parameters are `size`; no more memory is taken than they promise."""
-    place = f"{place}.texels"
-    if item["kind"] != "image":
-        refuse(place, "absent where there is no image", item["texels"])
+def _unpacked(item: dict[str, Any], array: str, size: list[float], place: str) -> NDArray[np.float32]:
+    """Return the array of a node whose parameters begin with its `size`; no more memory is taken than they promise."""
+    place = f"{place}.{array}"
+    kind = item["kind"]
+    if kind not in _ARRAYS:
+        refuse(place, "absent where there is no image", item[array])
     try:
-        packed = base64.b64decode(item["texels"], validate=True)
+        packed = base64.b64decode(item[array], validate=True)
     except (TypeError, ValueError, binascii.Error):
-        refuse(place, "base64", item["texels"])
-    length = 12 * size[0] * size[1]
-    if not 12 <= length <= _MOST_UNPACKED * len(packed):
-        refuse(place, f"at least {length / _MOST_UNPACKED:.0f} packed bytes for the image's size", len(packed))
+        refuse(place, "base64", item[array])
+    length = 4 * size[0] * size[1] * (3 if kind == "image" else size[2])
+    if not 4 <= length <= _MOST_UNPACKED * len(packed):
+        refuse(place, f"at least {length / _MOST_UNPACKED:.0f} packed bytes for the {kind}'s size", len(packed))
     unpacker = zlib.decompressobj()
     try:
         raw = unpacker.decompress(packed, int(length) + 1)

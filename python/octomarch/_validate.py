@@ -140,6 +140,14 @@ def pair(name: str, value: object) -> Vec2:
     return x, y
 
 
+def corners(name: str, value: object) -> tuple[Vec3, Vec3]:
+    """Return two points; NaN and infinities pass."""
+    items = sequence(name, list(value) if isinstance(value, np.ndarray) and value.ndim == 2 else value, "two corners")
+    if len(items) != 2:
+        raise ValueError(f"{name} must be two corners, got {shown(value)}")
+    return vector(f"{name}[0]", items[0]), vector(f"{name}[1]", items[1])
+
+
 def direction(name: str, value: object) -> Vec3:
     """Return three finite numbers that are not all zero, scaled to unit length."""
     x, y, z = point(name, value)
@@ -249,6 +257,15 @@ def rows(name: str, value: ArrayLike) -> NDArray[np.float64]:
 def _turned(name: str, array: NDArray[Any]) -> str:
     """Return what to add where only rows and columns were mixed up."""
     return f"; its transpose, {name}.T, would do" if array.ndim == 2 and array.shape[0] == 3 else ""
+
+
+def volume(name: str, value: ArrayLike) -> NDArray[np.float32]:
+    """Return real numbers of shape (nx, ny, nz) as a contiguous float32 array; NaN and infinities pass."""
+    array = _real_numbers(name, value, "(nx, ny, nz)")
+    if array.ndim != 3:
+        raise ValueError(f"{name} must have shape (nx, ny, nz), got {_shape(array)}")
+    with np.errstate(over="ignore"):  # what is too large becomes infinite
+        return np.ascontiguousarray(array, dtype=np.float32)
 
 
 def spread(name: str, value: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.float64]:

@@ -7,12 +7,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 from numpy.typing import NDArray
 
 from octomarch import _core
 from octomarch import _validate as check
-from octomarch._validate import Vec3, VectorLike
+from octomarch._validate import VectorLike
 from octomarch.expressions import ExpressionLike, operand
 from octomarch.shapes import Shape
 
@@ -67,7 +66,8 @@ def field(
     True
     """
     slope = None if lipschitz is None else check.number("lipschitz", lipschitz)
-    return Shape(_core.field(operand("expression", expression), slope, _corners(bounds)))
+    corners = None if bounds is None else check.corners("bounds", bounds)
+    return Shape(_core.field(operand("expression", expression), slope, corners))
 
 
 def solid(condition: ExpressionLike) -> Shape:
@@ -102,13 +102,3 @@ def solid(condition: ExpressionLike) -> Shape:
     True
     """
     return Shape(_core.solid(operand("condition", condition)))
-
-
-def _corners(bounds: tuple[VectorLike, VectorLike] | NDArray[Any] | None) -> tuple[Vec3, Vec3] | None:
-    if bounds is None:
-        return None
-    rows = list(bounds) if isinstance(bounds, np.ndarray) and bounds.ndim == 2 else bounds
-    items = check.sequence("bounds", rows, "two corners")
-    if len(items) != 2:
-        raise ValueError(f"bounds must be two corners, got {check.shown(bounds)}")
-    return check.vector("bounds[0]", items[0]), check.vector("bounds[1]", items[1])

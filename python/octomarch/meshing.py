@@ -58,7 +58,7 @@ def mesh(
     """
     cells = check.integer("resolution", resolution, 2, FINEST)
     check.choice("colors", colors, ("srgb", "linear", None))
-    igl, trimesh = _libraries()
+    igl, trimesh = libraries()
     part, (lo, hi) = _bounded(shape, bounds)
     field = _Sampled(part, _Grid.about(lo, hi, cells), threads)
     lattice, values, corners = _near_surface(field)
@@ -82,7 +82,8 @@ def mesh(
     return result  # type: ignore[no-any-return, unused-ignore]
 
 
-def _libraries() -> tuple[Any, Any]:
+def libraries() -> tuple[Any, Any]:
+    """Return libigl and trimesh."""
     try:
         import igl
         import scipy.sparse  # noqa: F401  creases needs it

@@ -100,7 +100,7 @@ TEST_CASE("what no builder makes is refused by name and value") {
       "radius must be finite and >= 0, got -1",
       "radius must be finite and >= 0, got nan",
       "parameters must be 1 numbers, got 0",
-      "texels must be those of an image, got sphere",
+      "texels must be those of an image or a grid, got sphere",
       "children[0] must be the place of a node before this one, got 1",
       "children[0] must be expression, got shape",
       "children must be at least 1 nodes, got 0",

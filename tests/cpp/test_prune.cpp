@@ -43,6 +43,14 @@ NodePtr absolute(NodePtr a) { return on(Kind::kAbsolute, {std::move(a)}); }
 NodePtr chosen(NodePtr condition, NodePtr a, NodePtr b) {
   return on(Kind::kWhere, {std::move(condition), std::move(a), std::move(b)});
 }
+
+/// Of values that turn up and down.
+NodePtr sampled(Interpolation interpolation) {
+  std::vector<float> values;
+  for (int i = 0; i < 60; ++i) values.push_back(static_cast<float>(i * 37 % 60) / 60.0F - 0.4F);
+  return grid({3, 4, 5}, std::move(values), {{-1.0, -0.5, -0.75}, {1.0, 0.75, 0.5}}, interpolation);
+}
+
 /// Pruning asks for no true bound.
 NodePtr own(NodePtr value) { return field(std::move(value), 1.0, std::nullopt); }
 
@@ -76,6 +84,8 @@ std::vector<NodePtr> primitives() {
       pyramid(0.5, 1.0),
       rectangle({1.0, 0.5}),
       polygon({0.0, 0.0, 1.0, 0.25, 0.5, 0.5, 0.75, 1.5}),
+      sampled(Interpolation::kLinear),
+      sampled(Interpolation::kCubic),
   };
   const std::size_t count = shapes.size();
   for (std::size_t i = 0; i < count; ++i) {
@@ -290,8 +300,8 @@ class Runner final : public Sampler<Real> {
  public:
   explicit Runner(const Tape& tape) : tape_(tape), memory_(4 * std::size_t{tape.registers} * kernels::kLanes) {
     for (const NodePtr& node : tape.images) {
-      images_.push_back({node->texels().data(), static_cast<std::uint32_t>(node->parameter(0)),
-                         static_cast<std::uint32_t>(node->parameter(1))});
+      const auto size = [&node](std::size_t i) { return static_cast<std::uint32_t>(node->parameter(i)); };
+      images_.push_back({node->texels().data(), size(0), size(1), node->kind() == NodeKind::kGrid ? size(2) : 1U});
     }
   }
 

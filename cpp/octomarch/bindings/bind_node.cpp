@@ -1,5 +1,6 @@
 // Nodes of the graph as Python sees them: equal nodes are one object, and what a node is made of can be read and made
 // again, which scene files rest on. Builders of shapes and expressions come after it.
+#include <array>
 #include <functional>
 #include <optional>
 #include <string>
@@ -25,12 +26,13 @@ namespace {
 
 using Texels = py::array_t<float, py::array::c_style | py::array::forcecast>;
 
-/// An image's texels as a read-only array of shape (height, width, 3) that keeps the node alive.
+/// An image's texels as a read-only array of shape (height, width, 3), or a grid's samples, that keeps the node alive.
 std::optional<py::array> texels_of(const NodePtr& node) {
-  if (node->kind() != NodeKind::kImage) return std::nullopt;
-  const auto width = static_cast<py::ssize_t>(node->parameter(0));
-  const auto height = static_cast<py::ssize_t>(node->parameter(1));
-  py::array_t<float> view({height, width, py::ssize_t{3}}, node->texels().data(), py::cast(node));
+  const bool is_image = node->kind() == NodeKind::kImage;
+  if (!is_image && node->kind() != NodeKind::kGrid) return std::nullopt;
+  const auto size = [&node](std::size_t i) { return static_cast<py::ssize_t>(node->parameter(i)); };
+  const std::array<py::ssize_t, 3> shape{size(is_image ? 1 : 0), size(is_image ? 0 : 1), is_image ? 3 : size(2)};
+  py::array_t<float> view(shape, node->texels().data(), py::cast(node));
   view.attr("setflags")(py::arg("write") = false);
   return view;
 }

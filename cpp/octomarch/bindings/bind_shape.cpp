@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
@@ -28,6 +29,20 @@ constexpr Names<NodeKind, 3> kBoxes{
 std::optional<Aabb> aabb(const std::optional<std::array<Triple, 2>>& corners) {
   if (!corners) return std::nullopt;
   return Aabb{vec3((*corners)[0]), vec3((*corners)[1])};
+}
+
+constexpr Names<Interpolation, 2> kInterpolations{
+    {{"linear", Interpolation::kLinear}, {"cubic", Interpolation::kCubic}}};
+
+using Samples = py::array_t<float, py::array::c_style | py::array::forcecast>;
+
+NodePtr grid_of(const Samples& values, const Triple& lo, const Triple& hi, const std::string& interpolation) {
+  require(values.ndim() == 3, "values", "an array of three axes", values.ndim());
+  const auto size = [&values](py::ssize_t axis) { return static_cast<std::size_t>(values.shape(axis)); };
+  const Interpolation kind = parse("interpolation", interpolation, kInterpolations);
+  std::vector<float> copy(values.data(), values.data() + values.size());
+  const py::gil_scoped_release free_others;
+  return grid({size(0), size(1), size(2)}, std::move(copy), {vec3(lo), vec3(hi)}, kind);
 }
 
 /// Everything that is round about an axis or bounded by flat faces.
@@ -65,6 +80,7 @@ void register_solids(py::module_& module) {
 void register_flat_and_free(py::module_& module) {
   module.def("rectangle", &rectangle, py::arg("size"));
   module.def("polygon", &polygon, py::arg("corners"));
+  module.def("grid", &grid_of, py::arg("values"), py::arg("lo"), py::arg("hi"), py::arg("interpolation"));
   module.def(
       "field",
       [](NodePtr expression, std::optional<double> lipschitz, const std::optional<std::array<Triple, 2>>& bounds) {

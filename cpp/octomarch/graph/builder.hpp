@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "octomarch/graph/grid.hpp"
 #include "octomarch/graph/node.hpp"
 #include "octomarch/graph/scene.hpp"
 
@@ -37,6 +38,10 @@ NodePtr rectangle(const std::array<double, 2>& size);
 /// Flat. `corners`: x, y after x, y; at least three points, either way round. Where edges cross, what they enclose twice
 /// is outside.
 NodePtr polygon(std::vector<double> corners);
+/// The field between samples on a grid that fills `box`; `size` of them along each axis, at least two, the last index
+/// changing fastest. Its slope is measured. O(values).
+NodePtr grid(const std::array<std::size_t, 3>& size, std::vector<float> values, const Aabb& box,
+             Interpolation interpolation);
 /// The user's own field. `lipschitz`: bound of its slope; where absent it is found by interval analysis over `bounds`,
 /// to which the shape is cut. Throws ArgumentError where no finite bound is found.
 NodePtr field(NodePtr expression, std::optional<double> lipschitz, const std::optional<Aabb>& bounds);

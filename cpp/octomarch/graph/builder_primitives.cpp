@@ -122,6 +122,29 @@ NodePtr polygon(std::vector<double> corners) {
   return intern(NodeKind::kPolygon, std::move(corners), {});
 }
 
+NodePtr grid(const std::array<std::size_t, 3>& size, std::vector<float> values, const Aabb& box,
+             Interpolation interpolation) {
+  require_grid(size, values);
+  require_grid_box(box);
+  const Vec3 edges = box.hi - box.lo;
+  const auto spacing = [&](double edge, std::size_t axis) { return edge / static_cast<double>(size[axis] - 1); };
+  const GridSamples samples{
+      values, size, {spacing(edges.x, 0), spacing(edges.y, 1), spacing(edges.z, 2)}, interpolation};
+  const double slope = steepest_slope(samples);
+  require(std::isfinite(slope), "values", "such that their slope is finite", text(slope));
+  // where the samples can be distances, the box's is one too; else it is as steep as the field
+  constexpr double kNearly = 1.0 + 0x1p-10;
+  const bool is_distance = slope == 0.0 || (slope >= 0.5 && steepest_edge(samples) <= kNearly);
+  std::vector<double> parameters{static_cast<double>(size[0]),
+                                 static_cast<double>(size[1]),
+                                 static_cast<double>(size[2]),
+                                 interpolation == Interpolation::kCubic ? 1.0 : 0.0,
+                                 slope,
+                                 is_distance ? 1.0 : slope};
+  parameters.insert(parameters.end(), {box.lo.x, box.lo.y, box.lo.z, box.hi.x, box.hi.y, box.hi.z});
+  return intern(NodeKind::kGrid, std::move(parameters), {}, std::move(values));
+}
+
 NodePtr field(NodePtr expression, std::optional<double> lipschitz, const std::optional<Aabb>& bounds) {
   require_field_expression(expression);
   if (lipschitz) require_length(*lipschitz, "lipschitz");

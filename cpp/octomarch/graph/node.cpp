@@ -27,7 +27,10 @@ std::uint64_t hash(NodeKind kind, std::span<const double> parameters, std::span<
   std::uint64_t h = mix(0, static_cast<std::uint64_t>(kind));
   for (const double parameter : parameters) h = mix(h, std::bit_cast<std::uint64_t>(parameter));
   for (const NodePtr& child : children) h = mix(h, reinterpret_cast<std::uintptr_t>(child.get()));
-  for (const float texel : texels) h = mix(h, std::bit_cast<std::uint32_t>(texel));
+  for (std::size_t i = 0; i < texels.size(); i += 2) {  // two at a time: there may be millions
+    const std::uint64_t second = i + 1 < texels.size() ? std::bit_cast<std::uint32_t>(texels[i + 1]) : 0;
+    h = mix(h, second << 32U | std::bit_cast<std::uint32_t>(texels[i]));
+  }
   return h;
 }
 

@@ -41,7 +41,7 @@ class Node : public std::enable_shared_from_this<Node> {
   double parameter(std::size_t i) const { return parameters_[i]; }
   std::span<const NodePtr> children() const { return children_; }
   const Node& child(std::size_t i) const { return *children_[i]; }
-  /// RGB after RGB, row after row from the top; images only.
+  /// RGB after RGB, row after row from the top, of images; samples of grids; nothing of others.
   std::span<const float> texels() const { return texels_; }
 
   /// Shapes: is the field the same at every z? Such are the flat primitives, and what is made of them without leaving

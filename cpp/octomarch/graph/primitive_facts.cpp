@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "octomarch/graph/grid.hpp"
 #include "octomarch/graph/level_box.hpp"
 #include "octomarch/graph/schema.hpp"
 
@@ -101,6 +102,21 @@ FieldFacts primitive(const LevelBox& box, unsigned symmetry) {
   return facts;
 }
 
+/// A value c lies no farther outside of the box than c/steepness.
+FieldFacts grid_facts(const Node& node) {
+  const GridSamples samples = samples_of(node);
+  const Aabb box = box_of(node);
+  const double growth = 1.0 / node.parameter(5);
+  unsigned mirrors = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const bool is_centred = node.parameter(6 + axis) == -node.parameter(9 + axis);
+    if (is_centred && is_mirrored(samples, axis)) mirrors |= kMirrorX << axis;
+  }
+  FieldFacts facts = primitive({box.lo, box.hi, {growth, growth, growth}}, mirrors);
+  facts.lipschitz = std::max(node.parameter(4), node.parameter(5));
+  return facts;
+}
+
 FieldFacts field_facts(const Node& node) {
   const auto p = node.parameters();
   FieldFacts facts = primitive({{p[1], p[2], p[3]}, {p[4], p[5], p[6]}}, 0);
@@ -130,6 +146,7 @@ FieldFacts primitive_facts(const Node& node) {
     case NodeKind::kPyramid: return primitive(about_origin({p[0], p[1], p[0]}), kMirrorX | kMirrorX << 2U);
     case NodeKind::kRectangle: return primitive(about_origin({p[0], p[1], kInfinity}), kMirrorAll);
     case NodeKind::kPolygon: return primitive(polygon_box(node), polygon_symmetry(node));
+    case NodeKind::kGrid: return grid_facts(node);
     case NodeKind::kField: return field_facts(node);
     case NodeKind::kSolid: return {};
     default: throw std::logic_error("primitive_facts.cpp: nothing known of " + std::string(name(node.kind())));

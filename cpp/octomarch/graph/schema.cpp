@@ -11,6 +11,7 @@
 
 #include "octomarch/base/error.hpp"
 #include "octomarch/graph/checks.hpp"
+#include "octomarch/graph/grid.hpp"
 #include "octomarch/graph/scene.hpp"
 #include "octomarch/graph/text.hpp"
 
@@ -179,6 +180,19 @@ void check_image(const std::vector<double>& p, const std::vector<float>& texels)
   require(finite, "texels", "finite", "some that are not");
 }
 
+/// Slopes that are too small would let rays through.
+void check_grid(const std::vector<double>& p, const std::vector<float>& values) {
+  const auto count = [&p](std::size_t axis) { return static_cast<std::size_t>(p[axis]); };
+  const std::array<std::size_t, 3> size{count(0), count(1), count(2)};
+  require_grid(size, values);
+  require(p[3] <= 1.0, "interpolation", "0 or 1", text(p[3]));
+  require_grid_box({{p[6], p[7], p[8]}, {p[9], p[10], p[11]}});
+  GridSamples samples{values, size, {}, p[3] == 0.0 ? Interpolation::kLinear : Interpolation::kCubic};
+  for (std::size_t axis = 0; axis < 3; ++axis) samples.spacing[axis] = (p[9 + axis] - p[6 + axis]) / (p[axis] - 1.0);
+  const double least = steepest_slope(samples);
+  require(p[4] >= least, "lipschitz", ">= " + text(least) + ", the values' slope", text(p[4]));
+}
+
 /// What a kind demands of its parameters together.
 void check_whole(NodeKind kind, const std::vector<double>& p, const std::vector<NodePtr>& children,
                  const std::vector<float>& texels) {
@@ -188,6 +202,7 @@ void check_whole(NodeKind kind, const std::vector<double>& p, const std::vector<
     case NodeKind::kPolygon:
       return require(p.size() >= 6 && p.size() % 2 == 0, "corners", "three points or more",
                      std::to_string(p.size()) + " numbers");
+    case NodeKind::kGrid: return check_grid(p, texels);
     case NodeKind::kField: require_field_bounds({{p[1], p[2], p[3]}, {p[4], p[5], p[6]}}); [[fallthrough]];
     case NodeKind::kDisplace: return require(p[0] >= 0.0, "lipschitz", ">= 0", text(p[0]));
     case NodeKind::kMetaballs: return require(p[0] > 0.0, "k", "> 0", text(p[0]));
@@ -265,7 +280,8 @@ NodePtr checked_node(std::string_view kind_name, std::vector<double> parameters,
   require(kind.has_value(), "kind", "a kind of node that this version knows", kind_name);
   check_parameters(schema(*kind), parameters);
   check_children(schema(*kind), children);
-  require(*kind == NodeKind::kImage || texels.empty(), "texels", "those of an image", kind_name);
+  const bool has_texels = *kind == NodeKind::kImage || *kind == NodeKind::kGrid;
+  require(has_texels || texels.empty(), "texels", "those of an image or a grid", kind_name);
   check_whole(*kind, parameters, children, texels);
   check_expressions(*kind, children);
   return intern(*kind, std::move(parameters), std::move(children), std::move(texels));

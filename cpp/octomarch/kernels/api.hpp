@@ -17,11 +17,13 @@ namespace octomarch::kernels {
 
 constexpr std::size_t padded_lanes(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
-/// Texels of an image: RGB after RGB, row 0 at the top.
+/// Texels of an image, RGB after RGB, row 0 at the top; or samples of a grid, width × height × depth along x, y and z, the
+/// last changing fastest.
 struct ImageView {
   const float* texels;
   std::uint32_t width;
   std::uint32_t height;
+  std::uint32_t depth;
 };
 
 /// A tape as kernels see it. Its register file has kLanes numbers per register, aligned; gradients need one four times as

@@ -13,6 +13,7 @@
 #include "octomarch/ops/domain.hpp"
 #include "octomarch/ops/expression.hpp"
 #include "octomarch/ops/flat.hpp"
+#include "octomarch/ops/grid.hpp"
 #include "octomarch/ops/polyhedra.hpp"
 #include "octomarch/ops/primitives.hpp"
 #include "octomarch/ops/texture.hpp"

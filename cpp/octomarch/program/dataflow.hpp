@@ -45,7 +45,7 @@ class DataFlow {
   void note_move(const Vec3& offset);
   /// The largest component of all those moves.
   double farthest_move() const { return farthest_move_; }
-  /// The number by which texel instructions name an image.
+  /// The number by which instructions name an image or a grid.
   double image_number(const NodePtr& image);
 
   const std::vector<NodePtr>& images() const { return images_; }

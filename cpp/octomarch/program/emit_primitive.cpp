@@ -5,7 +5,9 @@
 #include <string>
 
 #include "octomarch/graph/analysis.hpp"
+#include "octomarch/graph/grid.hpp"
 #include "octomarch/graph/schema.hpp"
+#include "octomarch/ops/grid.hpp"
 #include "octomarch/program/axes.hpp"
 #include "octomarch/program/placement.hpp"
 #include "octomarch/program/polygon.hpp"
@@ -111,6 +113,36 @@ ValueId emit_cone(const Node& node, const Placement& placement, DataFlow& flow) 
   return flow.emit(Opcode::kCappedCone, axes, constants);
 }
 
+/// Position, scale and quarter turns go into the places of the samples, wherever their axes then lie.
+ValueId emit_grid(const Node& node, const Placement& placement, DataFlow& flow) {
+  const Placement place = aligned(placement, flow);
+  const GridSamples samples = samples_of(node);
+  const Interval values = value_range(samples);
+  std::array<ValueId, 3> axes{};
+  std::array<double, ops::kGridConstants> constants{};
+  constants[ops::kGridArray] = flow.image_number(node.shared_from_this());
+  constants[ops::kGridScale] = place.scale;
+  constants[ops::kGridSteepness] = node.parameter(5);
+  constants[ops::kGridLipschitz] = std::max(node.parameter(4), node.parameter(5));
+  constants[ops::kGridLeast] = values.lo() * place.scale;
+  constants[ops::kGridMost] = values.hi() * place.scale;
+  for (std::size_t local = 0; local < 3; ++local) {
+    const std::size_t row = frame_axis(place, local);
+    const double sign = place.rotation[row * 3 + local];
+    const auto placed = [&](double x) { return sign * x * place.scale + component(place.offset, row); };
+    const double lo = node.parameter(6 + local);
+    const double hi = node.parameter(9 + local);
+    axes[local] = place.frame[row];
+    double* const p = &constants[ops::kGridAxes + local * ops::kGridAxisConstants];
+    p[0] = placed(lo);
+    p[1] = sign / (samples.spacing[local] * place.scale);
+    p[2] = placed(0.5 * lo + 0.5 * hi);
+    p[3] = 0.5 * (hi - lo) * place.scale;
+  }
+  const bool is_cubic = samples.interpolation == Interpolation::kCubic;
+  return flow.emit(is_cubic ? Opcode::kCubicGrid : Opcode::kLinearGrid, axes, constants);
+}
+
 ValueId emit_polygon(const Node& node, const Placement& placement, DataFlow& flow) {
   const std::array<ValueId, 3> axes = own_axes(placement, flow);
   const std::vector<PolygonEdge> edges = polygon_edges(node.parameters(), placement.scale);
@@ -149,6 +181,7 @@ ValueId emit_primitive(const Node& primitive, const Placement& placement, DataFl
     case NodeKind::kPyramid: return emit_pyramid(primitive, placement, flow);
     case NodeKind::kCappedCone: return emit_cone(primitive, placement, flow);
     case NodeKind::kPolygon: return emit_polygon(primitive, placement, flow);
+    case NodeKind::kGrid: return emit_grid(primitive, placement, flow);
     case NodeKind::kPlane: return emit_plane(primitive, placement, flow);
     case NodeKind::kCapsule: return emit_capsule(primitive, placement, flow);
     case NodeKind::kCylinder:

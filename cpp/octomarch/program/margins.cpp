@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "octomarch/program/grid_magnitude.hpp"
 #include "octomarch/program/operator_ranges.hpp"
 
 namespace octomarch {
@@ -49,13 +50,8 @@ class Walk {
     }
     Range<Real> out[kMaxOutputs];
     operator_ranges(instruction.op, p, in_ranges, out);
-    double largest = 0.0;
-    for (std::size_t i = 0; i < shape.constants; ++i) largest = std::max(largest, std::fabs(static_cast<double>(p[i])));
-    const bool is_edge = instruction.op == Opcode::kPolygonEdge;  // whose third input, passed on, may be infinite
-    for (std::size_t i = 0; i < (is_edge ? 2U : shape.inputs); ++i)
-      largest = std::max(largest, magnitude(in_ranges[i]));
-    for (std::size_t i = 0; i < (is_edge ? 0U : shape.outputs); ++i) largest = std::max(largest, magnitude(out[i]));
-
+    const double largest =
+        is_grid(instruction.op) ? grid_magnitude(p, in_ranges) : magnitude_of(instruction, in_ranges, out);
     const Steepness result = after(instruction.op, p, in, rounding(largest));
     for (std::size_t i = 0; i < shape.outputs; ++i) {
       Steepness& value = values_[instruction.out[i]];
@@ -68,6 +64,20 @@ class Walk {
 
  private:
   static double magnitude(const Range<Real>& range) { return static_cast<double>(range.magnitude()); }
+
+  /// The largest of an instruction's constants, inputs and outputs.
+  double magnitude_of(const Instruction& instruction, const Range<Real>* in_ranges, const Range<Real>* out) const {
+    const OpcodeInfo& shape = info(instruction.op);
+    const Real* const p = constants_ + instruction.constants;
+    double largest = 0.0;
+    for (std::size_t i = 0; i < shape.constants; ++i) largest = std::max(largest, std::fabs(static_cast<double>(p[i])));
+    const bool is_edge = instruction.op == Opcode::kPolygonEdge;  // whose third input, passed on, may be infinite
+    for (std::size_t i = 0; i < (is_edge ? 2U : shape.inputs); ++i)
+      largest = std::max(largest, magnitude(in_ranges[i]));
+    for (std::size_t i = 0; i < (is_edge ? 0U : shape.outputs); ++i) largest = std::max(largest, magnitude(out[i]));
+    return largest;
+  }
+
   /// No operator loses more than this of what goes into it.
   static double rounding(double largest) {
     return 64.0 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * largest;
@@ -148,6 +158,8 @@ class Walk {
       case Opcode::kOctahedron:
       case Opcode::kPyramid: return joined(in, 3, loss);
       case Opcode::kPlane: return scaled(joined(in, 3, loss), std::hypot(p[0], p[1], p[2]), 0.0);
+      case Opcode::kLinearGrid:
+      case Opcode::kCubicGrid: return scaled(joined(in, 3, 0.0), static_cast<double>(p[ops::kGridLipschitz]), loss);
       case Opcode::kCylinder:
       case Opcode::kOriginCylinder:
       case Opcode::kRectangle:

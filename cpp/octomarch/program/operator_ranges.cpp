@@ -1,5 +1,5 @@
 // Most operators are instantiated over ranges as they stand. Some say more when their monotony is used, or have operands that
-// hang together, and the lookup of images says nothing.
+// hang together; of samples of grids no more is known than between what they lie, of images nothing.
 #include "octomarch/program/operator_ranges.hpp"
 
 #include "octomarch/base/dual.hpp"
@@ -8,6 +8,7 @@
 #include "octomarch/ops/domain.hpp"
 #include "octomarch/ops/expression.hpp"
 #include "octomarch/ops/flat.hpp"
+#include "octomarch/ops/grid.hpp"
 #include "octomarch/ops/polyhedra.hpp"
 #include "octomarch/ops/primitives.hpp"
 #include "octomarch/ops/texture.hpp"
@@ -67,6 +68,21 @@ Range<Real> noise_range(const Range<Real>* in) {
   return is_finite ? Range<Real>(Real(-kNoise), Real(kNoise)) : Range<Real>::whole();
 }
 
+/// Of the samples nothing is known but between what they lie.
+template <class Real>
+Range<Real> grid_range(const Real* p, const Range<Real>* in) {
+  const Interval between(static_cast<double>(p[ops::kGridLeast]), static_cast<double>(p[ops::kGridMost]));
+  const Range<Real> zero(Real(0));
+  Range<Real> excess[3];
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const Real* const of_axis = p + ops::kGridAxes + axis * ops::kGridAxisConstants;
+    excess[axis] = abs(in[axis] - Range<Real>(of_axis[2])) - Range<Real>(of_axis[3]);
+  }
+  const Range<Real> box =
+      ops::box_distance(excess[0], excess[1], excess[2], zero) * Range<Real>(p[ops::kGridSteepness]);
+  return ops::box_distance(approximated<Real>(between, between.magnitude()), box, zero);
+}
+
 /// The operator itself, over ranges. Everything is inlined: this is most of the time that cells take to be made.
 template <template <class> class Op, std::size_t kInputs, std::size_t kOutputs, class Real>
 [[gnu::flatten]] void instantiated(const Real* constants, const Range<Real>* in, Range<Real>* out) {
@@ -93,7 +109,7 @@ template <Opcode kOp>
 constexpr bool kIsSpecial =
     kOp == Opcode::kSmoothUnion || kOp == Opcode::kSmoothIntersection || kOp == Opcode::kSmoothDifference ||
     kOp == Opcode::kMetaballs || kOp == Opcode::kElongate || kOp == Opcode::kTwist || kOp == Opcode::kBend ||
-    kOp == Opcode::kNoise || kOp == Opcode::kTexel;
+    kOp == Opcode::kNoise || kOp == Opcode::kTexel || kOp == Opcode::kLinearGrid || kOp == Opcode::kCubicGrid;
 
 template <Opcode kOp, class Real>
 void special(const Real* p, const Range<Real>* in, Range<Real>* out) {
@@ -113,6 +129,8 @@ void special(const Real* p, const Range<Real>* in, Range<Real>* out) {
     turned(in[0], in[1], p[1], [&](const Range<Real>& u) { return u * Range<Real>(p[0]); }, out);
   } else if constexpr (kOp == Opcode::kNoise) {
     out[0] = noise_range(in);
+  } else if constexpr (kOp == Opcode::kLinearGrid || kOp == Opcode::kCubicGrid) {
+    out[0] = grid_range(p, in);
   } else {
     out[0] = out[1] = out[2] = Range<Real>::whole();
   }

@@ -25,7 +25,7 @@ struct Tape {
   std::vector<Instruction> code;
   std::vector<double> constants;
   std::vector<float> constants_f32;  ///< the same, rounded once
-  std::vector<NodePtr> images;       ///< what texel instructions look at, by number
+  std::vector<NodePtr> images;       ///< images and grids that instructions look into, by number
   std::uint32_t inputs = 3;
   std::uint32_t registers = 3;
   std::vector<std::uint16_t> results;  ///< registers

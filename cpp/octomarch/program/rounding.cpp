@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "octomarch/program/grid_magnitude.hpp"
 #include "octomarch/program/operator_ranges.hpp"
 #include "octomarch/program/program.hpp"
 
@@ -107,6 +108,8 @@ class ErrorWalk {
       case Opcode::kCappedCylinder:
       case Opcode::kTorus:
       case Opcode::kPlane: return sum(o, info(op).inputs) + roundings(24.0, o);
+      case Opcode::kLinearGrid:
+      case Opcode::kCubicGrid: return o.p[ops::kGridLipschitz] * sum(o, 3) + 64.0 * unit_ * grid_magnitude(o.p, o.in);
       case Opcode::kCapsule:
       case Opcode::kCappedCone:
       case Opcode::kOctahedron:

@@ -10,6 +10,7 @@
 #include "octomarch/graph/node.hpp"
 #include "octomarch/reference/domain.hpp"
 #include "octomarch/reference/flat.hpp"
+#include "octomarch/reference/grid.hpp"
 #include "octomarch/reference/polyhedra.hpp"
 
 namespace octomarch::reference {
@@ -112,6 +113,7 @@ T primitive_distance(const Node& node, const Vector<T>& p) {
     case NodeKind::kBoxMaximum: return largest(glm::abs(p) - vector_parameter<T>(node, 0));
     case NodeKind::kRectangle: return box_distance(rectangle_sides(node, p));
     case NodeKind::kPolygon: return polygon(node, Vector2<T>(p.x, p.y)).value;
+    case NodeKind::kGrid: return grid(node, p).value;
     case NodeKind::kCappedCone: return capped_cone(node, p).value;
     case NodeKind::kOctahedron: return octahedron(p, T(node.parameter(0))).value;
     case NodeKind::kPyramid: return pyramid(p, T(node.parameter(0)), T(node.parameter(1))).value;
@@ -140,6 +142,7 @@ Vector<T> primitive_gradient(const Node& node, const Vector<T>& p) {
     case NodeKind::kBoxMaximum: return slopes_of_abs(p) * largest_gradient(glm::abs(p) - vector_parameter<T>(node, 0));
     case NodeKind::kRectangle: return slopes_of_abs(p) * box_gradient(rectangle_sides(node, p));
     case NodeKind::kPolygon: return Vector<T>(polygon(node, Vector2<T>(p.x, p.y)).gradient, T(0));
+    case NodeKind::kGrid: return grid(node, p).gradient;
     case NodeKind::kCappedCone: return capped_cone(node, p).gradient;
     case NodeKind::kOctahedron: return octahedron(p, T(node.parameter(0))).gradient;
     case NodeKind::kPyramid: return pyramid(p, T(node.parameter(0)), T(node.parameter(1))).gradient;

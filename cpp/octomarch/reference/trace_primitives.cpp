@@ -7,6 +7,7 @@
 
 #include "octomarch/graph/schema.hpp"
 #include "octomarch/reference/trace_flat.hpp"
+#include "octomarch/reference/trace_lattice.hpp"
 #include "octomarch/reference/trace_polyhedra.hpp"
 
 namespace octomarch::reference {
@@ -65,6 +66,19 @@ Trace capsule(const Node& node, const PointTrace& p) {
   return length(from_segment<3>(p, numbers.first<3>(), numbers.subspan<3, 3>())) - node.parameter(6);
 }
 
+/// The interpolant at the nearest point of the box, and the box.
+Trace grid(const Node& node, const PointTrace& p) {
+  PointTrace held;
+  std::array<Trace, 3> excess;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double lo = node.parameter(6 + axis);
+    const double hi = node.parameter(9 + axis);
+    held[axis] = min(max(p[axis], lo), hi);
+    excess[axis] = max(constant(lo) - p[axis], p[axis] - hi);
+  }
+  return box_trace(std::array{interpolant(node, held), box_trace(excess) * node.parameter(5)});
+}
+
 }  // namespace
 
 Trace box_trace(std::span<const Trace> excess) {
@@ -93,6 +107,7 @@ Trace primitive_trace(const Node& node, const PointTrace& p) {
     case NodeKind::kBoxMaximum: return largest(box_excess(node, p));
     case NodeKind::kRectangle: return box_trace(std::array{abs(p[0]) - number(0), abs(p[1]) - number(1)});
     case NodeKind::kPolygon: return polygon_trace(node.parameters(), p[0], p[1]);
+    case NodeKind::kGrid: return grid(node, p);
     case NodeKind::kCappedCone: return capped_cone(node, p);
     case NodeKind::kOctahedron: return octahedron_trace(p, node.parameter(0));
     case NodeKind::kPyramid: return pyramid_trace(p, node.parameter(0), node.parameter(1));

@@ -21,8 +21,8 @@ class LoadedTape {
   /// `tape` must outlive this. Memory for marches serves for values too.
   LoadedTape(const Tape& tape, TapeUse use) : tape_(tape), memory_(rows(tape, use) * kernels::kLanes) {
     for (const NodePtr& image : tape.images) {
-      images_.push_back({image->texels().data(), static_cast<std::uint32_t>(image->parameter(0)),
-                         static_cast<std::uint32_t>(image->parameter(1))});
+      const auto size = [&image](std::size_t i) { return static_cast<std::uint32_t>(image->parameter(i)); };
+      images_.push_back({image->texels().data(), size(0), size(1), image->kind() == NodeKind::kGrid ? size(2) : 1});
     }
   }
 
