@@ -55,7 +55,8 @@ def how(result: Any) -> str:
     return (
         f"{machine['processor']['model']}, {machine['processor']['usable_processors']} processors, "
         f"{machine['date'][:10]}, octomarch {machine['octomarch']} at {machine['commit']}; each kind of work was ended "
-        f"{interrupts} times, at moments of chance."
+        f"{interrupts} times, at moments of chance; other work kept {machine['busy_processors_during']:g} processors "
+        "busy."
     )
 
 

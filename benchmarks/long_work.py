@@ -194,8 +194,9 @@ def main() -> None:
         return
     description = machine.describe(None)
     machine.warn_when_busy(description)
+    other = machine.OtherWork()
     result = {"machine": description, "latency": latency_rows(chosen.interrupts), "pictures": picture_rows(chosen.size)}
-    description["busy_processors_after"] = machine.busy_processors()
+    description["busy_processors_during"] = other.busy_processors()
     out = chosen.out or machine.result_file(description, "long-")
     out.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     print("\n\n".join(long_tables.blocks(result).values()), f"\n\n{out}")

@@ -3,7 +3,7 @@
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
 Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, trade.py, quality.py,
-evaluations.py and extremes.py come before it.
+evaluations.py, extremes.py and long_work.py come before it.
 """
 
 import argparse
@@ -17,6 +17,7 @@ from typing import Any
 import evaluation_tables
 import extreme_tables
 import hand_tables
+import long_tables
 import peer_tables
 import sweep_rows
 import sweep_tables
@@ -26,6 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
     "README.md",
     "docs/guide/benchmarks.md",
+    "docs/guide/frames.md",
     "docs/guide/marching.md",
     "docs/guide/numerics.md",
     "docs/guide/speed.md",
@@ -36,6 +38,7 @@ KINDS = {
     "peers": peer_tables.check,
     "sweep": sweep_rows.check,
     "trade": trade_tables.check,
+    "long": long_tables.check,
 }
 """What the files in benchmarks/results begin with, and what they have to be."""
 
@@ -92,6 +95,7 @@ def blocks(results: Path) -> dict[str, str]:
         "peers-growth": peer_tables.sweep_table(peers),
         **sweep_tables.blocks(newest(results, "sweep")),
         **trade_tables.blocks(newest(results, "trade")),
+        **long_tables.blocks(newest(results, "long")),
         **{f"peers-{scene.lower()}": peer_tables.scene_table(peers, scene, n) for scene, n in pictures},
     }
 

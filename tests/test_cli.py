@@ -283,6 +283,24 @@ def test_what_is_wrong_in_scripts_is_one_line(
     assert re.fullmatch(f"octomarch: .*{message}\n", capsys.readouterr().err)
 
 
+def test_cameras_of_scripts_go_with_their_scenes(script: Path):
+    (script / "scene.py").write_text(
+        """
+import sys
+
+import octomarch as om
+
+scene = om.Scene(om.sphere(1.0))
+camera = om.Camera((0, 0, float(sys.argv[1]) if sys.argv[1:] else 5.0), (0, 0, 0))
+shot = om.Shot(scene, size=(16, 12))
+"""
+    )
+    for name in ("scene", "shot"):  # a shot has its own, or none
+        out = str(script / f"{name}.png")
+        assert main(["render", f"{script}/scene.py:{name}", "-o", out, "--size", "16x12", "-q"]) == 0
+        assert (om.Shot.load(out).camera == om.Camera((0, 0, 5), (0, 0, 0))) is (name == "scene")
+
+
 def test_tracebacks_are_shown_where_asked_for(script: Path, capsys: pytest.CaptureFixture[str]):
     assert main(["listing", f"{script}/scene.py:broken", "--traceback"]) == 1
     error = capsys.readouterr().err

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import dataclasses
 import inspect
 import shutil
 from collections.abc import Callable, Mapping
@@ -16,7 +17,7 @@ from octomarch import _validate as check
 from octomarch.camera import framing_box
 from octomarch.cli import options as common
 from octomarch.cli.parser import Commands, command
-from octomarch.cli.subjects import Subject, find
+from octomarch.cli.subjects import find
 from octomarch.frames import Frame, paths_of, render_all
 from octomarch.movies import require_imageio
 
@@ -106,7 +107,9 @@ def _requests(options: argparse.Namespace) -> list[dict[str, Any]]:
                 common.with_options(_framed([subject.request()], options)[0], options), count, options.degrees
             )
         items = check.sequence(subject.place, subject.value, "a shape, a scene, a shot or several, or a function")
-        frames = [Subject(f"{subject.place}[{i}]", item, subject.script) for i, item in enumerate(items)]
+        frames = [
+            dataclasses.replace(subject, place=f"{subject.place}[{i}]", value=item) for i, item in enumerate(items)
+        ]
     if not frames:
         raise ValueError(f"{subject.place} must hold at least one frame, got none")
     return [common.with_options(request, options) for request in _framed([each.request() for each in frames], options)]

@@ -15,6 +15,7 @@ from typing import Any
 
 from octomarch import _validate as check
 from octomarch._spelling import nearest
+from octomarch.camera import AnyCamera
 from octomarch.cli.parser import ScriptError
 from octomarch.demo import DEMOS
 from octomarch.scene import Scene
@@ -30,11 +31,15 @@ _SCRIPT = re.compile(r"(?P<path>.+\.py)(?::(?P<name>\w+))?")
 
 @dataclass(frozen=True)
 class Subject:
-    """What was found, and where: ``place`` names it in messages, ``script`` is the Python file that defines it."""
+    """What was found, and where: ``place`` names it in messages, ``script`` is the Python file that defines it.
+
+    ``camera`` is the one that the file has beside it.
+    """
 
     place: str
     value: Any
     script: str | None = None
+    camera: AnyCamera | None = None
 
     @property
     def is_function(self) -> bool:
@@ -55,13 +60,13 @@ class Subject:
         --------
         >>> import octomarch as om
         >>> list(Subject("ball.py:make", lambda: om.sphere(1.0)).request())
-        ['scene']
+        ['scene', 'camera']
         """
         value = self.called().value
         if isinstance(value, Shot):
             return {field.name: getattr(value, field.name) for field in dataclasses.fields(value)}
         if isinstance(value, (Shape, Scene)):
-            return {"scene": value}
+            return {"scene": value, "camera": self.camera}
         what = "a shape, a scene or a shot, or a function without arguments that returns one"
         raise ValueError(f"{self.place} must be {what}, got {check.shown(value)}")
 
@@ -108,13 +113,24 @@ def _in_script(path: str, name: str | None, names: tuple[str, ...]) -> Subject:
     """Run a Python file, and find one of its names."""
     if not Path(path).is_file():
         raise FileNotFoundError(f"there is no file {path}")
-    sys.path.insert(0, str(Path(path).resolve().parent))  # as Python does; functions may import something later
-    with _blaming(path):
-        defined = runpy.run_path(path, run_name="octomarch_scene")
+    defined = _run(path)
+    camera = defined.get("camera")
     for each in [name] if name else names:
         if each in defined:
-            return Subject(f"{path}:{each}", defined[each], path)
+            there = camera if isinstance(camera, AnyCamera) else None
+            return Subject(f"{path}:{each}", defined[each], path, there)
     raise ValueError(_nothing(path, name, names, defined))
+
+
+def _run(path: str) -> dict[str, Any]:
+    """Run a file as Python does, but that it is not the main program; return what it defines."""
+    sys.path.insert(0, str(Path(path).resolve().parent))  # stays: functions may import something later
+    arguments, sys.argv = sys.argv, [path]
+    try:
+        with _blaming(path):
+            return runpy.run_path(path, run_name="octomarch_scene")
+    finally:
+        sys.argv = arguments
 
 
 def _nothing(path: str, name: str | None, names: tuple[str, ...], defined: Mapping[str, Any]) -> str:
