@@ -29,6 +29,11 @@ def listed(count=3):
     return (om.sphere(0.5 + i) for i in range(count))
 
 
+def failing():
+    yield om.sphere(1.0)
+    yield om.sphere(1.0 / 0)
+
+
 def late(t):
     return om.sphere(0.5 - t)
 """
@@ -128,6 +133,7 @@ def test_frames_that_fail_are_reported_alone(folder: Path, capsys: pytest.Captur
     [
         ("scene.py:nothing", "f_{}.png", (), "scene.py:nothing must hold at least one frame, got none"),
         ("scene.py:number", "f_{}.png", (), "scene.py:number must be a shape, a scene, a shot or several"),
+        ("scene.py:failing", "f_{}.png", (), r"scene.py:\d+: ZeroDivisionError: float division by zero"),
         ("scene.py:late", "f_{}.png", (), r"scene.py:\d+: ValueError: radius must be .*, got -"),
         ("scene.py:ball", "f.png", (), "out must have a place for the frame's number"),
         ("scene.py:ball", "f_{}.jpg", (), r"OUT must end in \.gif or \.webp or \.mp4 or \.exr or \.png"),

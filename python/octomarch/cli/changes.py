@@ -101,13 +101,14 @@ def changed(request: Mapping[str, Any], assignments: Sequence[Assignment]) -> di
 
 
 def _value(text: str) -> Any:
-    """Return what a text means: JSON, numbers with commas, one of Python's three words, or itself."""
-    for candidate in (text, f"[{text}]") if "," in text else (text,):
-        try:
-            return json.loads(candidate)
-        except ValueError:
-            continue
-    return _PYTHON.get(text, text)
+    """Return what a text means: JSON, one of Python's three words, several of these with commas, or itself."""
+    try:
+        return json.loads(text)
+    except ValueError:
+        parts = text.split(",")
+        if len(parts) > 1 and all(re.fullmatch(r"\s*[\w.+-]+\s*", part) for part in parts):
+            return [_value(part.strip()) for part in parts]
+        return _PYTHON.get(text, text)
 
 
 @dataclass(frozen=True)

@@ -63,8 +63,8 @@ def add_changes(parser: Parser) -> None:
         metavar="PATH=VALUE",
         help=(
             "change a setting, as often as there are some: PATH is a field of march, shading, camera, sky or lights.0 "
-            "and so on, such as march.max_steps, or ambient, samples, precision, planes, crop; VALUE is JSON, numbers "
-            "with commas between them, or a word"
+            "and so on, such as march.max_steps, or ambient, samples, precision, planes, crop; VALUE is JSON, a word, "
+            "or several with commas"
         ),
     )
 

@@ -47,11 +47,10 @@ class Subject:
         return callable(self.value) and not isinstance(self.value, type)
 
     def called(self, *arguments: Any) -> Subject:
-        """Return what it gives, if it is a function, else itself."""
-        if not self.is_function:
-            return self
+        """Return what it gives, if it is a function, else itself; of generators all that they give."""
         with _blaming(self.script or self.place):
-            return dataclasses.replace(self, value=self.value(*arguments))
+            value = self.value(*arguments) if self.is_function else self.value
+            return dataclasses.replace(self, value=list(value) if isinstance(value, Iterator) else value)
 
     def request(self) -> dict[str, Any]:
         """Return what `octomarch.render` is to be called with for it.
