@@ -24,8 +24,8 @@ def blocks(result: Any) -> dict[str, str]:
 
 def pictures(result: Any) -> str:
     """Return what large pictures take."""
-    heads = ("pixels", "way", "time", "peak memory", "file")
-    lines = ["| " + " | ".join(heads) + " |", "|---|---|---:|---:|---:|"]
+    heads = ("pixels", "way", "time", "processor time", "peak memory", "file")
+    lines = ["| " + " | ".join(heads) + " |", "|---|---|---:|---:|---:|---:|"]
     for row in result["pictures"]:
         before = row.get("seconds_before")
         time = f"{row['seconds']:.1f} s" if before is None else f"{before:.1f} + {row['seconds']:.1f} s"
@@ -33,6 +33,7 @@ def pictures(result: Any) -> str:
             f"{row['size']:,}²",
             {"at once": "`render`, `save`", "bands": "`render_file`"}.get(row["way"], row["way"]),
             time,
+            f"{row['cpu_seconds']:.1f} s" if before is None else "",
             _bytes(row["peak_bytes"]),
             _bytes(row["file_bytes"]),
         )

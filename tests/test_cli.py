@@ -35,7 +35,7 @@ def test_demo_renders_both_scenes(tmp_path: Path, capsys: pytest.CaptureFixture[
 
 def test_render_counts_all_that_evaluates_the_field(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     mirror = om.box(2.0).paint(om.Material(reflectivity=0.5)) | om.plane(point=(0, -1, 0))
-    scene = om.Scene(mirror, lights=[om.DirectionalLight((-1, -2, -1))])
+    scene = om.Scene(mirror | om.sphere(0.5, center=(1, 0, 2.5)), lights=[om.DirectionalLight((-1, -2, -1))])
     shot = om.Shot(scene, om.Camera((2, 3, 4), (0, 0, 0)), (48, 36), samples=4, shading=om.Shading(bounces=1))
     shot.save(tmp_path / "shot.json")
     assert main(["render", str(tmp_path / "shot.json"), "-o", str(tmp_path / "shot.png")]) == 0

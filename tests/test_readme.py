@@ -13,6 +13,8 @@ from octomarch.cli import main
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 CODE = re.findall(r"^```python\n(.*?)^```", TEXT, re.MULTILINE | re.DOTALL)
+NOTICED = 4
+"""Levels of 255 by which a picture may differ in most of its pixels before another should be shown."""
 COMMANDS = [line.strip() for line in re.findall(r"^ +octomarch .*", TEXT, re.MULTILINE)]
 
 
@@ -27,7 +29,8 @@ def test_code_makes_the_picture(folder: Path):
     assert len([line for line in code.splitlines() if line]) <= 8
     exec(compile(code, "README.md", "exec"), {})
     with PIL.Image.open(folder / "readme.png") as made, PIL.Image.open(ROOT / "docs/images/readme.png") as shown:
-        assert np.array_equal(np.asarray(made), np.asarray(shown)), "copy readme.png to docs/images"
+        levels = np.abs(np.asarray(made, int) - np.asarray(shown, int))
+    assert np.mean(levels > NOTICED) < 1e-3, "copy readme.png to docs/images"
 
 
 @pytest.mark.usefixtures("folder")
