@@ -28,6 +28,12 @@ scene = blend | om.cylinder(3.0, height=0.2).translate(0.4, -1.1, 0)
 viewer = om.view(scene, om.Camera(eye=(3, 2, 4), target=(0, 0, 0)))
 viewer"""
 LOOK = "print('picked', viewer.picked.object, 'eye moved', viewer.camera.eye != (3, 2, 4), viewer.image.planes)"
+WAIT = """import time
+
+camera, end = viewer.camera, time.monotonic() + 30
+while viewer.camera == camera and time.monotonic() < end:
+    time.sleep(0.05)
+print("moved", "meanwhile" if viewer.camera != camera else "never")"""
 CHANGE = "viewer.scene = om.gyroid(0.8, 0.1) & om.sphere(1.4); viewer.camera = None"
 DRAGGED = 3.0
 """Seconds for which pictures are counted."""
@@ -39,7 +45,7 @@ COMPLAINTS: list[str] = []
 
 @pytest.fixture(scope="module")
 def notebook() -> Iterator[ViewerPage]:
-    with in_jupyter_lab((SCENE, LOOK, CHANGE), COMPLAINTS) as found:
+    with in_jupyter_lab((SCENE, LOOK, WAIT, CHANGE), COMPLAINTS) as found:
         yield found
 
 
@@ -118,9 +124,16 @@ def test_python_sees_what_the_hand_did_and_changes_the_scene(notebook: ViewerPag
     printed = "eye moved False ('color', 'depth', 'normal', 'steps', 'status')"
     notebook.page.get_by_text(printed).wait_for()
     before, seen = notebook.shown(), notebook.frames()
-    jupyter_lab.run_cell(notebook.page, 2)
+    jupyter_lab.run_cell(notebook.page, 3)
     notebook.wait_for_last(seen)
     assert np.abs(notebook.shown() - before).mean() > 5
+
+
+def test_the_viewer_follows_while_a_cell_runs(notebook: ViewerPage):
+    jupyter_lab.run_cell(notebook.page, 2)
+    notebook.page.get_by_text("(ipykernel) | Busy").wait_for()
+    notebook.drag()
+    notebook.page.get_by_text("moved meanwhile").wait_for()
 
 
 @pytest.mark.usefixtures("notebook")

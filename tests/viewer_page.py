@@ -39,12 +39,17 @@ class ViewerPage:
         )
         return self.frames()
 
+    def box(self) -> dict[str, float]:
+        """Return where the canvas is, once all of it is to be seen."""
+        self.canvas.scroll_into_view_if_needed()
+        return dict(self.canvas.bounding_box())
+
     def frames(self) -> int:
         return int(self.canvas.get_attribute("data-frames"))
 
     def shown(self) -> np.ndarray:
         """Return the pixels of the canvas."""
-        box = self.canvas.bounding_box()
+        box = self.box()
         return np.asarray(PIL.Image.open(io.BytesIO(self.page.screenshot(clip=box))).convert("RGB")).astype(int)
 
     def slide(self, name: str, share: float) -> None:
@@ -53,7 +58,7 @@ class ViewerPage:
         self.page.mouse.click(box["x"] + share * box["width"], box["y"] + box["height"] / 2)
 
     def middle(self) -> tuple[float, float]:
-        box = self.canvas.bounding_box()
+        box = self.box()
         return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
 
     def drag(self, seconds: float = 0.0, key: str = "") -> float:

@@ -23,8 +23,8 @@ Tell = Callable[[Message, bytes | None], None]
 
 _IDLE = 0.15
 """Seconds without input after which refinement begins; between two events of a drag less passes."""
-_TRUTH = 0.5
-"""Seconds that finding the truth may take between two pictures."""
+_TRUTH, _TRUTH_AT_REST = 0.5, 3.0
+"""Seconds that finding the truth may take between two pictures, and after the last one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,7 +127,7 @@ class Painter:
         assert shown is not None
         truth = self._truth_of(shown.view)
         if not truth.is_complete:
-            truth.grow(turn, _TRUTH)
+            truth.grow(turn, _TRUTH if self._left() else _TRUTH_AT_REST)
             turn.pause()
             tell({"kind": "errors", "errors": messages.errors(truth.errors(shown.image))}, None)
 

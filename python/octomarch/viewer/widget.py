@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextvars
 import functools
 from pathlib import Path
 from typing import Any
@@ -104,6 +105,7 @@ class Viewer:
         samples: int = 16,
     ) -> None:
         first = view_of(scene, camera, size, march, shading, plane)
+        self._context = contextvars.copy_context()
         self._engine = Engine(first, check.integer("samples", samples, 1, 64), self._send)
         self._widget = _widget_class()()
         self._widget.on_msg(self._receive)
@@ -200,10 +202,13 @@ class Viewer:
         return {**data, "text/plain": repr(self), "image/png": png}, metadata
 
     def _receive(self, _: Any, message: Message, __: list[Any]) -> None:
+        self._context = contextvars.copy_context()
         self._engine.receive(message)
 
     def _send(self, message: Message, data: bytes | None) -> None:
-        self._widget.send(message, None if data is None else [data])
+        # Kernels know by the context what they answer. Without it they would have the front end send what follows to
+        # the thread that runs cells, and the viewer would stand still while one runs.
+        self._context.run(self._widget.send, message, None if data is None else [data])
 
 
 @functools.cache
