@@ -3,6 +3,7 @@
 Nothing is fetched while building or reading: no inventories of other projects, no fonts, no scripts from elsewhere.
 """
 
+import logging
 import sys
 from pathlib import Path
 
@@ -20,7 +21,7 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.autosummary",
     "numpydoc",
-    "myst_parser",
+    "myst_nb",  # Markdown by MyST, and notebooks
     "sphinx_gallery.gen_gallery",
     "sphinx_codeautolink",
     "examples",
@@ -28,7 +29,7 @@ extensions = [
     "project_links",
     "reference_pages",
 ]
-exclude_patterns = ["_extensions", "gallery/**/*.py", "gallery/**/*.ipynb", "sg_execution_times.rst"]
+exclude_patterns = ["_extensions", "gallery/**.py", "gallery/**.ipynb", "sg_execution_times.rst"]
 nitpicky = True
 # Types of other projects, and words of docstrings that are no names.
 nitpick_ignore_regex = [
@@ -51,6 +52,14 @@ toc_object_entries_show_parents = "hide"
 
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
+
+# Notebooks are kept without results, and run whenever their page is made.
+nb_execution_mode = "force"
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 600
+nb_merge_streams = True
+logging.getLogger("traitlets").setLevel(logging.WARNING)  # it tells of each notebook that it runs
 
 # Blocks of a page go on where the last one ended.
 codeautolink_concat_default = True
