@@ -24,7 +24,7 @@ struct SharedField {
   bool clips = false;  ///< are rays only marched within bounds?
 };
 
-/// `near`: is there enough to do for an octree about all that is at most `reach` away from a point (counted from the program's
+/// `many`: is there enough to do for an octree about all that is at most `reach` away from a point (counted from the program's
 /// anchor)? It is made where it is worth its cost, and not for fixed steps, which take solids without distances.
 template <class Real>
 SharedField<Real> share_field(const Program& program, const March& march, bool many, const Vec3& from, double reach);
