@@ -6,6 +6,7 @@ thread of its own.
 
 from __future__ import annotations
 
+import os
 import shutil
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -16,7 +17,10 @@ if TYPE_CHECKING:
 
 Result = TypeVar("Result")
 
-BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+_NAMES = ("chromium", "chromium-browser", "google-chrome")
+_IS_SANITIZED = "libasan" in os.environ.get("LD_PRELOAD", "")
+BROWSER = None if _IS_SANITIZED else next(filter(None, map(shutil.which, _NAMES)), None)
+"""None where there is none, or it would be loaded with a sanitizer's library, which it does not run with."""
 # The sandbox does not run in containers; without a graphics card WebGL is computed.
 ARGUMENTS = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 
