@@ -257,6 +257,7 @@ function render({ model, el }) {
   const times = [];
   let drawn = 0; // number of the frame on the canvas; decoding may end in another order
   let received = 0;
+  let failed = 0; // how many had been received when the last failure was told
   const rate = () => {
     const now = performance.now();
     times.push(now);
@@ -293,7 +294,7 @@ function render({ model, el }) {
     context.imageSmoothingEnabled = message.plane === "color";
     context.drawImage(bitmap, 0, 0, canvas.width, canvas.height);
     bitmap.close();
-    failure.hidden = true;
+    if (number > failed) failure.hidden = true;
     legend.replaceChildren(...legendRow(message.legend));
     beside.show(message, message.is_last ? (times.length = 0) : rate(), inputs.delay);
     Object.assign(canvas.dataset, { frames: number, last: message.is_last, delay: inputs.delay });
@@ -315,6 +316,7 @@ function render({ model, el }) {
     if (message.kind === "error") {
       failure.textContent = message.text;
       failure.hidden = false;
+      failed = received;
     }
     return inputs.answered(message.answers);
   };
