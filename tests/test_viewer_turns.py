@@ -123,7 +123,8 @@ def test_closing_ends_the_turn_and_the_thread(desk: Desk):
     threading.Timer(0.05, desk.go_on.release).start()
     desk.queue.close()
     assert turn.is_late
-    assert not [thread for thread in threading.enumerate() if thread.name == "octomarch-viewer"]
+    assert desk.queue._thread is not None
+    assert not desk.queue._thread.is_alive()
     desk.queue.ask()
     assert not desk.begun.acquire(timeout=0.05)
     desk.queue.close()

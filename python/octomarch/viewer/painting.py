@@ -70,9 +70,12 @@ class Painter:
         self._shown = None
 
     def paint(self, view: View, turn: Turn, tell: Tell) -> Image | None:
-        """Tell a quick picture, unless the view is the last one, and finer ones; return the finest.
+        """Tell a quick picture, unless the view is the last one, and finer ones; return the finest, if there was one.
 
-        None if there was no finer one to be told, or the turn became late; that it is raises `CancelledError` too.
+        Raises
+        ------
+        CancelledError
+            If the turn has become late.
         """
         if self._shown is None or self._shown.view is not view:
             self._paint_quickly(view, turn, tell)
