@@ -106,6 +106,7 @@ import json, os, random, signal, sys, tempfile, threading, time
 import numpy as np, octomarch as om
 sys.path.insert(0, {benchmarks!r})
 from long_work import CAMERA, scene
+signal.signal(signal.SIGINT, signal.default_int_handler)  # which shells take from what runs in the background
 centers = np.random.default_rng(0).uniform(-20, 20, (100_000, 3))
 balls = om.spheres(centers, 0.5, smooth=0.1)
 far = om.Camera((60, 40, 80), (0, 0, 0))
