@@ -7,6 +7,7 @@ their size, which smooths their edges.
 
 import contextlib
 import os
+import shutil
 import traceback
 from collections.abc import Iterator
 from pathlib import Path
@@ -44,6 +45,8 @@ class Block(SphinxDirective):
     def running(self) -> Iterator[tuple[str, int]]:
         """Run the block in a folder of its page, for files it saves; gives the page and the line before the code."""
         files = Path(self.env.doctreedir) / "files" / self.env.docname
+        if "octomarch_names" not in self.env.temp_data:  # the page begins, as if it had never been made
+            shutil.rmtree(files, ignore_errors=True)
         files.mkdir(parents=True, exist_ok=True)
         try:
             with contextlib.chdir(files):
