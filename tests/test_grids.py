@@ -213,6 +213,14 @@ def test_steepness_of_the_box_is_one_where_samples_may_be_distances(factor: floa
     assert om.compile(shape).lipschitz == pytest.approx(slope, rel=1e-6)
 
 
+def test_pictures_look_at_the_solid_not_at_the_box():
+    lo, hi = om.compile(ball(31)).focus
+    assert_allclose(lo, [-1.1] * 3, atol=1e-9)  # a cell beyond the last sample within
+    assert_allclose(hi, [1.1] * 3, atol=1e-9)
+    everywhere, nowhere = (om.grid(np.full((3, 3, 3), value), BOX) for value in (-1.0, 1.0))
+    assert om.compile(everywhere).focus == om.compile(nowhere).focus == BOX
+
+
 # Places, bits, parts -------------------------------------------------------------------------------------------------
 
 

@@ -36,7 +36,8 @@ class Layers {
 
   /// Makes layer `i` the one in the middle.
   void centre(std::size_t i) {
-    for (std::size_t l = 0; l < kCount; ++l) load(static_cast<std::ptrdiff_t>(i + l) - kMargin, &numbers_[l * layer_]);
+    const auto first = static_cast<std::ptrdiff_t>(i) - static_cast<std::ptrdiff_t>(kMargin);
+    for (std::size_t l = 0; l < kCount; ++l) load(first + static_cast<std::ptrdiff_t>(l), &numbers_[l * layer_]);
   }
 
   const double* at(std::size_t j, std::size_t k) const {

@@ -90,6 +90,32 @@ Interval value_range(const GridSamples& samples) {
   return {range.lo() - over, range.hi() + over};
 }
 
+Aabb solid_box(const GridSamples& samples, const Aabb& box) {
+  std::array<std::size_t, 3> first = samples.size;
+  std::array<std::size_t, 3> last{};
+  each_sample(samples.size, [&](std::size_t i, std::size_t j, std::size_t k, std::size_t index) {
+    if (samples.values[index] > 0.0F) return;
+    const std::size_t place[3] = {i, j, k};
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      first[axis] = std::min(first[axis], place[axis]);
+      last[axis] = std::max(last[axis], place[axis]);
+    }
+  });
+  if (first == samples.size) return box;
+  const std::array<double, 3> lo{box.lo.x, box.lo.y, box.lo.z};
+  const std::array<double, 3> hi{box.hi.x, box.hi.y, box.hi.z};
+  std::array<double, 3> low{};
+  std::array<double, 3> high{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double spacing = samples.spacing[axis];
+    const auto above = static_cast<double>(first[axis]) - 1.0;
+    const auto below = static_cast<double>(samples.size[axis] - 1 - last[axis]) - 1.0;
+    low[axis] = lo[axis] + std::max(above, 0.0) * spacing;
+    high[axis] = hi[axis] - std::max(below, 0.0) * spacing;
+  }
+  return {{low[0], low[1], low[2]}, {high[0], high[1], high[2]}};
+}
+
 bool is_mirrored(const GridSamples& samples, std::size_t axis) {
   const std::array<std::size_t, 3> strides = samples.strides();
   const std::size_t run = strides[axis];

@@ -60,6 +60,9 @@ double steepest_edge(const GridSamples& samples);
 /// Holds all values of the interpolant. O(values).
 Interval value_range(const GridSamples& samples);
 
+/// The part of the samples' box with all samples ≤ 0, and one more on each side; all of it where there is none. O(values).
+Aabb solid_box(const GridSamples& samples, const Aabb& box);
+
 /// Are the samples the same in reverse order along an axis? O(values), little where they are not.
 bool is_mirrored(const GridSamples& samples, std::size_t axis);
 

@@ -102,7 +102,7 @@ FieldFacts primitive(const LevelBox& box, unsigned symmetry) {
   return facts;
 }
 
-/// A value c lies no farther outside of the box than c/steepness.
+/// A value c lies no farther outside of the box than c/steepness. What one looks at is the solid in it.
 FieldFacts grid_facts(const Node& node) {
   const GridSamples samples = samples_of(node);
   const Aabb box = box_of(node);
@@ -113,6 +113,8 @@ FieldFacts grid_facts(const Node& node) {
     if (is_centred && is_mirrored(samples, axis)) mirrors |= kMirrorX << axis;
   }
   FieldFacts facts = primitive({box.lo, box.hi, {growth, growth, growth}}, mirrors);
+  const Aabb solid = solid_box(samples, box);
+  facts.focus = LevelBox{solid.lo, solid.hi, {growth, growth, growth}};
   facts.lipschitz = std::max(node.parameter(4), node.parameter(5));
   return facts;
 }
