@@ -3,7 +3,7 @@
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
 Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, trade.py, quality.py,
-evaluations.py, extremes.py and long_work.py come before it.
+evaluations.py, extremes.py, grid.py and long_work.py come before it.
 """
 
 import argparse
@@ -16,6 +16,7 @@ from typing import Any
 
 import evaluation_tables
 import extreme_tables
+import grid_tables
 import hand_tables
 import long_tables
 import peer_tables
@@ -28,12 +29,14 @@ PAGES = (
     "README.md",
     "docs/guide/benchmarks.md",
     "docs/guide/frames.md",
+    "docs/guide/import.md",
     "docs/guide/marching.md",
     "docs/guide/numerics.md",
     "docs/guide/speed.md",
 )
 
 KINDS = {
+    "grid": grid_tables.check,
     "hand": hand_tables.check_by_hand,
     "peers": peer_tables.check,
     "sweep": sweep_rows.check,
@@ -88,6 +91,7 @@ def blocks(results: Path) -> dict[str, str]:
         "quality": hand_tables.quality(load(results / "quality.json", hand_tables.check_quality)),
         "evaluations": evaluation_tables.table(load(results / "evaluations.json", evaluation_tables.check)),
         **extreme_tables.blocks(load(results / "extremes.json", extreme_tables.check)),
+        **grid_tables.blocks(newest(results, "grid")),
         "peers-how": peer_tables.how(peers),
         "peers-summary": peer_tables.summary_table(peers),
         "peers-winners": peer_tables.winners(peers),

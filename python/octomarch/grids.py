@@ -22,7 +22,7 @@ def grid(values: ArrayLike, bounds: tuple[VectorLike, VectorLike], interpolation
     """Return the solid where a field that is known by samples is below zero.
 
     The field between samples is trilinear, or tricubic by splines through the samples with continuous slopes [1]_:
-    smoother normals at about eight times the cost. How steep it is at the most is measured as the shape is built, and
+    smoother normals at about six times the cost. How steep it is at the most is measured as the shape is built, and
     each step of a march is divided by that; so samples need not be distances. Of a scan, give ``values - level`` (or
     ``level - values`` where what is dense shall be solid).
 
