@@ -85,7 +85,8 @@ def test_rays_from_inside_say_so():
 
 
 def test_spent_steps_are_no_miss():
-    hits = om.plane().raycast([0, 1, 0], [1, -1e-3, 0], march=om.March(max_steps=5))
+    slab = om.box((4000, 2, 10), center=(0, -1, 0))
+    hits = slab.raycast([0, 1, 0], [1, -1e-3, 0], march=om.March(max_steps=5))
     assert hits.status == om.Status.STEP_LIMIT
     assert hits.steps == 5
     assert 0 < hits.t < 1000
