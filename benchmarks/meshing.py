@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import machine
+import meshing_tables
 import octomarch as om
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -102,31 +103,6 @@ def measure(name: str, way: str, resolution: int) -> dict[str, Any]:
     return {"shape": name, "way": way, "resolution": resolution, **found[0], **medians, "megabytes": peak}
 
 
-def table(rows: list[dict[str, Any]]) -> str:
-    lines = [
-        "| shape | resolution | triangles | evaluations | of a dense grid | processor time, s | dense | MB | dense |",
-        "|---|---:|---:|---:|---:|---:|---:|---:|---:|",
-    ]
-    grids = {(row["shape"], row["resolution"]): row for row in rows if row["way"] == "dense"}
-    for row in rows:
-        if row["way"] == "dense":
-            continue
-        grid = grids.get((row["shape"], row["resolution"]))
-        cells = [
-            row["shape"],
-            f"{row['resolution']}³",
-            f"{row['triangles']:,}",
-            f"{row['evaluations']:,}",
-            f"1/{grid['evaluations'] / row['evaluations']:.1f}" if grid else "–",
-            f"{row['cpu_seconds']:.2f}",
-            f"{grid['cpu_seconds']:.2f}" if grid else "–",
-            f"{row['megabytes']:.0f}",
-            f"{grid['megabytes']:.0f}" if grid else "–",
-        ]
-        lines.append(f"| {' | '.join(cells)} |")
-    return "\n".join(lines)
-
-
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, metavar="FILE", help="default: a new file in benchmarks/results")
@@ -141,7 +117,7 @@ def main() -> None:
             print(f"{name}, {resolution}", file=sys.stderr)
     path = out or machine.result_file(description, "meshing-")
     path.write_text(json.dumps({"machine": description, "rows": rows}, indent=1) + "\n", encoding="utf-8")
-    print(f"{table(rows)}\n\n{path}")
+    print(f"{meshing_tables.table(rows)}\n\n{path}")
 
 
 if __name__ == "__main__":

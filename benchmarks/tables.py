@@ -3,7 +3,7 @@
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
 Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, trade.py, quality.py,
-evaluations.py, extremes.py, grid.py and long_work.py come before it.
+evaluations.py, extremes.py, grid.py, long_work.py and meshing.py come before it.
 """
 
 import argparse
@@ -19,6 +19,7 @@ import extreme_tables
 import grid_tables
 import hand_tables
 import long_tables
+import meshing_tables
 import peer_tables
 import sweep_rows
 import sweep_tables
@@ -28,6 +29,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PAGES = (
     "README.md",
     "docs/guide/benchmarks.md",
+    "docs/guide/export.md",
     "docs/guide/frames.md",
     "docs/guide/import.md",
     "docs/guide/marching.md",
@@ -38,6 +40,7 @@ PAGES = (
 KINDS = {
     "grid": grid_tables.check,
     "hand": hand_tables.check_by_hand,
+    "meshing": meshing_tables.check,
     "peers": peer_tables.check,
     "sweep": sweep_rows.check,
     "trade": trade_tables.check,
@@ -90,6 +93,7 @@ def blocks(results: Path) -> dict[str, str]:
         "by-hand": hand_tables.by_hand(by_hand(results)),
         "quality": hand_tables.quality(load(results / "quality.json", hand_tables.check_quality)),
         "evaluations": evaluation_tables.table(load(results / "evaluations.json", evaluation_tables.check)),
+        "meshing": meshing_tables.table(newest(results, "meshing")["rows"]),
         **extreme_tables.blocks(load(results / "extremes.json", extreme_tables.check)),
         **grid_tables.blocks(newest(results, "grid")),
         "peers-how": peer_tables.how(peers),

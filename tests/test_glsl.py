@@ -96,6 +96,7 @@ def test_cameras(webgl: WebGl, camera: Any):
         om.March("enhanced", finish=None, epsilon=1e-4),
         om.March("fixed", step=0.02),
         om.March(max_steps=12),
+        om.March(max_distance=1e300),
     ],
     ids=repr,
 )

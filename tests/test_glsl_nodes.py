@@ -206,7 +206,16 @@ def test_only_what_is_needed_is_there():
         (om.spheres(np.arange(3300.0).reshape(1100, 3), 0.1 + np.arange(1100)), "2048 are the"),
         (
             om.box(1.0).paint(om.Material(om.image_texture(np.zeros((65, 64, 3))))),
-            "an image of 64 × 65 texels cannot be part of a shader: 4096 texels are the most",
+            "an image of 64 × 65 texels cannot be part of a shader: 4096 are the most",
+        ),
+        (
+            om.union(
+                *(
+                    om.box(1.0).paint(om.Material(om.image_texture(np.full((size, 64), 0.5)))).translate(size, 0, 0)
+                    for size in (60, 5)
+                )
+            ),
+            "an image of 64 × 5 texels beside others of 3840 cannot be part of a shader: 4096 are the most",
         ),
     ],
 )

@@ -14,6 +14,7 @@ from octomarch import _core
 from octomarch.glsl.library import number, vector
 
 MOST_TEXELS = 4096
+"""Of all images of a shader together: as many as graphics cards keep constants for."""
 _LONGEST = 72  # characters of an expression that stands within another
 _OPERATORS = {"add": ("+", 3), "subtract": ("-", 3), "multiply": ("*", 2), "divide": ("/", 2)}
 _FUNCTIONS = {
@@ -53,6 +54,7 @@ class Images:
     names: Names
     functions: dict[_core.Node, str] = field(default_factory=dict)
     sources: list[str] = field(default_factory=list)
+    texels: int = 0
 
     def function(self, image: _core.Node) -> str:
         """Return the name of the function that gives the colour of an image at u, v.
@@ -60,7 +62,7 @@ class Images:
         Raises
         ------
         SceneError
-            If the image has more texels than a shader should hold.
+            If the images have more texels than a shader should hold.
 
         Examples
         --------
@@ -69,18 +71,24 @@ class Images:
         'image1'
         """
         if image not in self.functions:
+            self._count(image)
             name = self.names.fresh("image")
             self.sources.append(_lookup(name, image))
             self.functions[image] = name
         return self.functions[image]
 
+    def _count(self, image: _core.Node) -> None:
+        width, height = map(int, image.parameters)
+        self.texels += width * height
+        if self.texels > MOST_TEXELS:
+            others = "" if self.texels == width * height else f" beside others of {self.texels - width * height}"
+            raise _core.SceneError(
+                f"an image of {width} × {height} texels{others} cannot be part of a shader: {MOST_TEXELS} are the most"
+            )
+
 
 def _lookup(name: str, image: _core.Node) -> str:
     width, height = map(int, image.parameters)
-    if width * height > MOST_TEXELS:
-        raise _core.SceneError(
-            f"an image of {width} × {height} texels cannot be part of a shader: {MOST_TEXELS} texels are the most"
-        )
     assert image.texels is not None
     texels = ",\n  ".join(vector(texel) for texel in image.texels.reshape(-1, 3).tolist())
     return "\n".join(

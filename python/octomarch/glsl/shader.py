@@ -14,7 +14,7 @@ from octomarch import _validate as check
 from octomarch.camera import AnyCamera, Camera, OrthographicCamera, axes, or_framing
 from octomarch.glsl.expressions import expressions
 from octomarch.glsl.library import blocks, needed, number, vector
-from octomarch.glsl.writer import Writer
+from octomarch.glsl.writer import LARGE, Writer
 from octomarch.lights import DirectionalLight, Light, SpotLight
 from octomarch.march import March
 from octomarch.program import Program, compile
@@ -24,7 +24,6 @@ from octomarch.shading import Shading
 from octomarch.shapes import Shape
 
 _ROUNDING = 16 * 2.0**-24  # of the hit epsilon, as in docs/semantics.md
-_MOST_STEPS = 2**24
 _STATUSES = {"MISS": 0, "HIT": 1, "CANDIDATE": 2, "NOTHING": 3}
 _EXACT = (
     0.05  # of the normal step: differences that stand in for exact normals should be near, but not drown in roundings
@@ -140,7 +139,7 @@ def _constants(scene: Scene, program: Program, march: March, shading: Shading) -
     }
     whole = {
         **_STATUSES,
-        "MAX_STEPS": min(march.max_steps, _MOST_STEPS),
+        "MAX_STEPS": march.max_steps,
         "OCCLUSION_SAMPLES": shading.occlusion if has_occlusion else 0,
         "BOUNCES": shading.bounces,
     }
@@ -160,7 +159,7 @@ def _constants(scene: Scene, program: Program, march: March, shading: Shading) -
     return [
         *(f"const bool {name} = {str(value).lower()};" for name, value in flags.items()),
         *(f"const int {name} = {value};" for name, value in whole.items()),
-        *(f"const float {name} = {number(value)};" for name, value in floats.items()),
+        *(f"const float {name} = {number(min(value, LARGE))};" for name, value in floats.items()),
     ]
 
 
