@@ -5,11 +5,13 @@ about 2⁻¹⁵ only; the rest rounds as float32 does.
 """
 
 import itertools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 import every_node
@@ -18,9 +20,9 @@ import painted
 from octomarch import _core
 from octomarch.glsl import functions
 from octomarch.glsl.writer import WRITE
-from sample_primitives import PRIMITIVES
+from sample_primitives import PRIMITIVES, primitive
 from samples import Sample
-from strategies import POINTS, nested
+from strategies import GENERIC, POINTS, grown, nested
 from webgl import WebGl
 
 ROUNDING = 1e-6
@@ -29,6 +31,9 @@ FUNCTIONS = 2e-4
 """What sines and others of a browser may be off by."""
 SOLID = 1e-18
 """Larger than what stands for inside and outside of a solid."""
+
+TIES = 0.02
+"""Share of points that may have another material: those at which roundings choose between operands."""
 
 X, Y, Z = om.coordinates()
 CLOUD = np.random.default_rng(5).uniform(-2, 2, (1000, 3)).astype(np.float32)
@@ -108,6 +113,34 @@ def test_primitives_at_random(webgl: WebGl, name: str):
 @given(nested())
 def test_nested_shapes_at_random(webgl: WebGl, sample: Sample):
     check(webgl, sample)
+
+
+PAINTS = [
+    om.Material((0.9, 0.1, 0.2)),
+    om.Material((0.5 + 0.2 * X, 0.5 + 0.2 * Y, 0.5 - 0.1 * Z), roughness=om.clamp(X * X, 0, 1)),
+    om.Material(tuple(0.5 + 0.5 * component for component in om.normals()), metallic=0.4),
+]
+
+
+def painted_shapes() -> st.SearchStrategy[Sample]:
+    """Return shapes of two operators over primitives, most of which are painted."""
+
+    def paint(sample: Sample, number: int) -> Sample:
+        return sample if number == len(PAINTS) else replace(sample, shape=sample.shape.paint(PAINTS[number]))
+
+    leaves = st.builds(paint, primitive, st.integers(0, len(PAINTS)))
+    return grown(st.one_of(leaves, grown(leaves)))
+
+
+@NESTED
+@given(painted_shapes())
+def test_paint_of_random_shapes(webgl: WebGl, sample: Sample):
+    points = POINTS[GENERIC].astype(np.float32)
+    normals = normals_at(sample.shape, points)
+    found = materials(webgl, sample.shape, points, normals)
+    expected = engine_materials(sample.shape, points, normals)
+    astray = (np.abs(found - expected) > 10 * FUNCTIONS).any(axis=1)
+    assert astray.mean() <= TIES
 
 
 @pytest.mark.parametrize(
