@@ -57,17 +57,18 @@ def lattice(shape: om.Shape, resolution: int) -> tuple[NDArray[np.float64], NDAr
     return np.stack([x, y, z], axis=-1).reshape(-1, 3), counts
 
 
-def near(shape: om.Shape, resolution: int) -> tuple[int, int]:
+def near(shape: om.Shape, resolution: int) -> dict[str, int]:
     mesh = shape.mesh(resolution, colors=None, threads=1)
-    return len(mesh.faces), mesh.metadata["evaluations"]
+    counts = {key: mesh.metadata[key] for key in ("evaluations", "cell_evaluations")}
+    return {"triangles": len(mesh.faces), **counts}
 
 
-def dense(shape: om.Shape, resolution: int) -> tuple[int, int]:
+def dense(shape: om.Shape, resolution: int) -> dict[str, int]:
     import igl
 
     points, counts = lattice(shape, resolution)
     _, faces, _ = igl.marching_cubes(shape.distance(points, threads=1), points, *map(int, counts), 0.0)
-    return len(faces), len(points)
+    return {"triangles": len(faces), "evaluations": len(points), "cell_evaluations": len(points)}
 
 
 def run(name: str, way: str, resolution: int, answers: Any) -> None:
@@ -77,14 +78,13 @@ def run(name: str, way: str, resolution: int, answers: Any) -> None:
     make(om.sphere(1.0), 8)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     wall, cpu = time.perf_counter(), time.process_time()
-    faces, evaluations = make(shape, resolution)
+    counts = make(shape, resolution)
     answers.put(
         {
             "seconds": time.perf_counter() - wall,
             "cpu_seconds": time.process_time() - cpu,
             "megabytes": (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024,
-            "triangles": faces,
-            "evaluations": evaluations,
+            **counts,
         }
     )
 

@@ -62,6 +62,7 @@ def mesh(
     part, (lo, hi) = _bounded(shape, bounds)
     field = _Sampled(part, _Grid.about(lo, hi, cells), threads)
     lattice, values, corners = _near_surface(field)
+    known = field.evaluations
     if not len(corners):
         raise ValueError(f"no surface was found between {_point(lo)} and {_point(hi)} at resolution={resolution}")
     crossings, faces, _ = igl.marching_cubes(values, lattice.astype(np.float64), corners, 0.0)
@@ -78,6 +79,7 @@ def mesh(
         linear = shape.color(vertices, threads=threads)
         result.visual.vertex_colors = png.levels(linear) if colors == "srgb" else _bytes(linear)
     result.metadata["evaluations"] = field.evaluations
+    result.metadata["cell_evaluations"] = known
     result.metadata["spacing"] = field.grid.spacing
     return result  # type: ignore[no-any-return, unused-ignore]
 

@@ -163,8 +163,8 @@ class Shape(Placement, Deformation):
         Returns
         -------
         trimesh.Trimesh
-            Its ``export`` writes files. ``metadata`` tells the ``spacing`` of the cells, and how many ``evaluations``
-            of the field were made.
+            Its ``export`` writes files. ``metadata`` tells the ``spacing`` of the cells, how many ``evaluations`` of
+            the field were made, and how many of them as ``cell_evaluations``: the others took vertices to the surface.
 
         Raises
         ------
