@@ -5,8 +5,8 @@ from typing import Any
 Row = dict[str, Any]
 
 _HEAD = (
-    "| shape | cells | triangles | evaluations for cells | of a dense grid's | for vertices | processor time, s | dense "
-    "| MB | dense |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
+    "| shape | cells | triangles | evaluations for cells | of a dense grid's | for vertices | processor time, s "
+    "| dense | MB | dense |\n|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|"
 )
 _KEYS = ("shape", "way", "resolution", "triangles", "evaluations", "cell_evaluations", "cpu_seconds", "megabytes")
 
