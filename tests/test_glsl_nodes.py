@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, assume, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
@@ -32,6 +32,8 @@ FUNCTIONS = 2e-4
 SOLID = 1e-18
 """Larger than what stands for inside and outside of a solid."""
 
+UNKNOWN = {"grid"}
+"""Kinds of shapes that shaders cannot hold; they are told."""
 TIES = 0.02
 """Share of points that may have another material: those at which roundings choose between operands."""
 
@@ -62,7 +64,12 @@ def normals_at(shape: om.Shape, points: NDArray[Any]) -> NDArray[np.float32]:
     return np.divide(gradient, length, out=np.zeros_like(gradient), where=length > 0).astype(np.float32)
 
 
+def kinds_in(shape: om.Shape) -> set[str]:
+    return {node.kind for node in _core.children_first([shape._node])}
+
+
 def check(webgl: WebGl, sample: Sample) -> None:
+    assume(not UNKNOWN & kinds_in(sample.shape))
     points = POINTS.astype(np.float32)
     size = np.abs(points).max(axis=1) + sample.extent + 1
     tolerance = size * sample.gain * (sample.levels + 2) * ROUNDING + (sample.gain > 1) * FUNCTIONS * (
@@ -76,7 +83,7 @@ def test_every_kind_of_shape_is_known():
     shapes = {node.kind for node in _core.children_first([every_node.everything().scene.shape._node])}
     of_shapes = {kind for kind in shapes if kind in _core.node_kinds()} & sorts("shape")
     assert of_shapes == sorts("shape"), "tests/every_node.py lacks a kind"
-    assert set(WRITE) == sorts("shape")
+    assert set(WRITE) == sorts("shape") - UNKNOWN
 
 
 def sorts(sort: str) -> set[str]:
@@ -88,6 +95,11 @@ def sorts(sort: str) -> set[str]:
 @pytest.mark.parametrize("number", range(len(every_node.shapes())))
 def test_every_node_has_the_distances_of_the_engine(webgl: WebGl, number: int):
     shape = every_node.shapes()[number]
+    unknown = UNKNOWN & kinds_in(shape)
+    if unknown:
+        with pytest.raises(om.SceneError, match=f"a shape of the kind '{unknown.pop()}' cannot be part of a shader"):
+            functions(shape)
+        return
     np.testing.assert_allclose(distances(webgl, shape, CLOUD), shape.distance(CLOUD), atol=FUNCTIONS + SOLID)
 
 
@@ -99,7 +111,7 @@ def test_every_expression_has_the_values_of_the_engine(webgl: WebGl, number: int
     np.testing.assert_allclose(found, expected, atol=FUNCTIONS, rtol=FUNCTIONS)
 
 
-@pytest.mark.parametrize("name", PRIMITIVES)
+@pytest.mark.parametrize("name", sorted(PRIMITIVES.keys() - UNKNOWN))
 def test_primitives_at_random(webgl: WebGl, name: str):
     @settings(max_examples=4)
     @given(PRIMITIVES[name])
@@ -135,6 +147,7 @@ def painted_shapes() -> st.SearchStrategy[Sample]:
 @NESTED
 @given(painted_shapes())
 def test_paint_of_random_shapes(webgl: WebGl, sample: Sample):
+    assume(not UNKNOWN & kinds_in(sample.shape))
     points = POINTS[GENERIC].astype(np.float32)
     normals = normals_at(sample.shape, points)
     found = materials(webgl, sample.shape, points, normals)

@@ -137,8 +137,8 @@ class Scene:
         TypeError, ValueError
             If an argument is of a wrong type or outside its range.
         SceneError
-            If something cannot be part of a shader, which is told: images of more than 4096 texels together, a shape
-            of more than 2048 nodes.
+            If something cannot be part of a shader, which is told: images of more than 4096 texels together, grids, a
+            shape of more than 2048 nodes.
 
         Examples
         --------
