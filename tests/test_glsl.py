@@ -12,7 +12,6 @@ import pytest
 
 import octomarch as om
 from gallery_scenes import SCRIPTS, rendered
-from octomarch import _core
 from octomarch.empty import expected
 from webgl import WebGl
 
