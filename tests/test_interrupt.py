@@ -72,7 +72,10 @@ WORK = {
         "om.render(shape, camera, (4000, 4000), planes='normal', march=whole, shading=central, progress=note)",
     ),
     "reflections": (MIRRORS, "om.render(shape, camera, (4000, 4000), progress=note, shading=om.Shading(bounces=64))"),
-    "a picture to be saved": (SMALL, "om.render(shape, camera, (16000, 16000), progress=note).save('picture.exr')"),
+    "a picture to be saved": (
+        SMALL,
+        "om.render(shape, camera, (16000, 16000), samples=4, progress=note).save('picture.exr')",
+    ),
     "saving EXR": (NOISY, "image.save('picture.exr')"),
     "saving PNG": (NOISY, "image.save('picture.png')"),
     "a large field": (WAVES, "shape.distance(np.zeros((10**7, 3)))"),

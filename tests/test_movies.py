@@ -121,5 +121,5 @@ def test_bad_arguments_are_refused(
 
 def test_without_imageio_it_is_told_what_to_install(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "imageio", None)
-    with pytest.raises(ImportError, match=r"movies need imageio: pip install octomarch\[movie\]"):
+    with pytest.raises(ImportError, match=r'movies need imageio: pip install "octomarch\[movie\]"'):
         om.write_movie(tmp_path / "a.gif", IMAGES)

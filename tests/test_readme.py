@@ -46,7 +46,7 @@ def test_extras_are_those_that_there_are():
     named = set(re.findall(r"^\| `(\w+)` \| ", TEXT, re.MULTILINE))
     pyproject = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     section = pyproject.split("[project.optional-dependencies]")[1].split("\n[")[0]
-    assert named == set(re.findall(r"^(\w+) = \[", section, re.MULTILINE)) - {"plot", "test", "dev", "docs"}
+    assert named == set(re.findall(r"^(\w+) = \[", section, re.MULTILINE)) - {"test", "dev", "docs"}
 
 
 @pytest.mark.parametrize("link", sorted(set(re.findall(r"\]\(([^)#]+)\)", TEXT))))

@@ -24,6 +24,22 @@ struct Mask {
   }
 };
 
+/// The nearest float to a quotient or a root: xsimd approximates both where NEON has instructions for them.
+template <class Batch>
+Batch quotient(const Batch& a, const Batch& b) {
+#ifdef __aarch64__
+  if constexpr (std::is_same_v<typename Batch::value_type, float>) return vdivq_f32(a, b);
+#endif
+  return a / b;
+}
+template <class Batch>
+Batch root(const Batch& a) {
+#ifdef __aarch64__
+  if constexpr (std::is_same_v<typename Batch::value_type, float>) return vsqrtq_f32(a);
+#endif
+  return xsimd::sqrt(a);
+}
+
 template <class RealType>
 struct Lanes {
   using Real = RealType;
@@ -47,7 +63,7 @@ struct Lanes {
   friend Lanes operator+(const Lanes& a, const Lanes& b) { return a.v + b.v; }
   friend Lanes operator-(const Lanes& a, const Lanes& b) { return a.v - b.v; }
   friend Lanes operator*(const Lanes& a, const Lanes& b) { return a.v * b.v; }
-  friend Lanes operator/(const Lanes& a, const Lanes& b) { return a.v / b.v; }
+  friend Lanes operator/(const Lanes& a, const Lanes& b) { return quotient(a.v, b.v); }
   /// The sign is turned, also of a zero: xsimd takes 0 − a on AVX-512, which leaves +0 as it is.
   friend Lanes operator-(const Lanes& a) { return a.v ^ Native(Real(-0.0)); }
   friend Mask<Real> operator<(const Lanes& a, const Lanes& b) { return {a.v < b.v}; }
@@ -59,7 +75,7 @@ struct Lanes {
 
 template <class Real>
 Lanes<Real> sqrt(const Lanes<Real>& a) {
-  return xsimd::sqrt(a.v);
+  return root(a.v);
 }
 
 template <class Real>

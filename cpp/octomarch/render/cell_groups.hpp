@@ -86,8 +86,10 @@ class CellGroups {
   static constexpr double kLanesOfBatch = 16.0;
   static constexpr double kPruningCost =
       4.0;  ///< of an instruction, when a child is made: a part of the whole, since it will serve others too
-  static constexpr double kLongest =
-      512.0;  ///< a longer program is not run for the sake of few elements while smaller cells shorten it
+  /// A longer program is not run for the sake of few elements.
+  static constexpr double kLongest = 512.0;
+  /// Nor is one longer than this, though its cell hardly shortened it, as those do not that all of a polygon's edges matter in.
+  static constexpr double kLongestStalled = 2048.0;
   /// What is expected of a child's program, beside its parent's.
   static constexpr double kChildLength = 0.4;
 
@@ -116,7 +118,8 @@ class CellGroups {
       if (smallest->children[octant].load(std::memory_order_relaxed) == nullptr) apart += length * kPruningCost;
     }
     const double together = cost(length, static_cast<double>(end - begin));
-    if (together <= apart && (length <= kLongest || !smallest->is_shorter)) return add_group(*smallest, begin, end);
+    const double longest = smallest->is_shorter ? kLongest : kLongestStalled;
+    if (together <= apart && length <= longest) return add_group(*smallest, begin, end);
     std::array<std::size_t, 9> bounds{begin};
     for (std::size_t octant = 0; octant < 8; ++octant) bounds[octant + 1] = bounds[octant] + counts[octant];
     std::array<std::size_t, 9> next = bounds;
