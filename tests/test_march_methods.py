@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+import math
 import itertools
 
 import numpy as np
@@ -99,7 +100,7 @@ def test_no_surface_lies_before_a_candidate(name: str, method: str, max_steps: i
     """A step of which is not known whether the surface was passed does not count."""
     found, expected = picture(name, "float64", method=method, max_steps=max_steps), truth(name)
     spent = found.status == om.Status.STEP_LIMIT
-    assert spent.any() or max_steps == 20
+    assert spent.any() or (name, method, max_steps) == ("building", "auto", 20)  # needs fewer
     assert (found.depth[spent] <= expected.depth[spent] * (1 + 1e-9)).all()
     others = ~spent & (expected.status == om.Status.HIT)
     assert_array_equal(found.status[others], om.Status.HIT)
@@ -125,6 +126,12 @@ def test_rays_are_those_of_the_reference(name: str, method: str, finish: str | N
         known = expected.status != om.Status.STEP_LIMIT if method == "auto" else np.full(150, True)
         assert_array_equal(found.status[known], expected.status[known])
         ended = known & (found.status != om.Status.STEP_LIMIT)
+        sooner = ~known & (found.status != om.Status.STEP_LIMIT)
+        if sooner.any():
+            further = om.March(method, finish=finish, **({"max_distance": FAR} | limits | {"max_steps": 5000}))
+            settled = om.reference.raycast(shape, origins[sooner], directions[sooner], march=further)
+            assert_array_equal(found.status[sooner], settled.status)
+            assert_allclose(found.t[sooner], settled.t, rtol=1e-3 if finish is None else 1e-4)
         assert_allclose(found.t[ended], expected.t[ended], rtol=1e-3 if finish is None else 1e-4)
         if method in ("plain", "relaxed"):
             assert_allclose(found.t, expected.t, rtol=1e-6)
@@ -231,6 +238,18 @@ def cast(shape: om.Shape, camera: str, method: str, **options) -> om.Image:
     return om.render(shape, CAMERAS[camera], (61, 43), march=march, **options)
 
 
+def hit_tolerance(camera: str, t: np.ndarray, march: dict[str, float]) -> np.ndarray:
+    """Return the hit epsilon at t, as docs/semantics.md has it, of pictures of 43 rows; 1e-5 for what rounding needs."""
+    seen = CAMERAS[camera]
+    if isinstance(seen, om.OrthographicCamera):
+        pixel = np.full_like(t, seen.height / 2 / 43)
+    elif isinstance(seen, om.PanoramicCamera):
+        pixel = t * math.radians(seen.fov[1]) / 2 / 43
+    else:
+        pixel = t * math.tan(math.radians(seen.fov) / 2) / 43
+    return np.maximum(march.get("epsilon", 1e-5), march.get("pixel_tolerance", 0.1) * pixel)
+
+
 def are_missed_in_truth(
     shape: om.Shape, camera: str, alone: om.Image, together: om.Image, rays: np.ndarray, march: dict[str, float]
 ) -> np.ndarray:
@@ -262,8 +281,13 @@ def test_cones_change_no_hit(name: str, camera: str, precision: str):
         inside = (alone.status == together.status) & (alone.status == om.Status.INSIDE)
         assert_array_equal(together.depth[inside], alone.depth[inside])
         hits = (alone.status == together.status) & (alone.status == om.Status.HIT)
-        near, nearer = (abs(shape.distance(image.position[hits])).max(initial=0) for image in (together, alone))
-        assert near <= 1.6 * nearer + 1e-6  # both within the hit epsilon, which grazing rays come near
+        lipschitz = om.compile(shape).lipschitz
+        errors = [abs(shape.distance(image.position[hits])) for image in (together, alone)]
+        for error, image in zip(errors, (together, alone), strict=True):
+            assert (error <= lipschitz * hit_tolerance(camera, image.depth[hits].astype(float), march) * 1.001).all()
+        if camera != "wide":  # where a ray that grazes the ball ends nearer to that limit than any without cones
+            near, nearer = (error.max(initial=0) for error in errors)
+            assert near <= 1.25 * nearer + 1e-6
 
 
 @pytest.mark.parametrize("camera", CAMERAS)

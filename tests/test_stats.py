@@ -14,10 +14,10 @@ CAMERA = om.Camera((4, 3, 8), (0, 0, 0))
 SIZE = (96, 64)
 
 
-def stats(shape: om.Shape, planes: str | tuple[str, ...] = tuple(PLANES), **options) -> dict:
+def stats(shape: om.Shape, planes: str | tuple[str, ...] = tuple(PLANES), size=SIZE, **options) -> dict:
     scene = om.Scene(shape, lights=[om.DirectionalLight((-1, -2, -1))], ambient=0.3)
     options = {"shading": om.Shading(bounces=1)} | options
-    return om.render(scene, CAMERA, SIZE, planes=planes, **options).stats
+    return om.render(scene, CAMERA, size, planes=planes, **options).stats
 
 
 @pytest.mark.parametrize("shape", [FEW, MANY], ids=["few", "many"])
@@ -60,7 +60,7 @@ def test_short_programs_have_no_cells_and_run_whole():
 
 def test_long_programs_tell_of_their_cells():
     shape = MANY.translate(0, 0.25, 0)  # a program that no other test has run
-    first, again = stats(shape), stats(shape)
+    first, again = (stats(shape, size=(480, 320)) for _ in range(2))  # many rays share a cell
     assert first["cells"] > again["cells"] >= 0
     assert first["cell_bytes"] > 0
     assert first["seconds_cells"] > 0
@@ -69,7 +69,7 @@ def test_long_programs_tell_of_their_cells():
     whole = om.compile(shape).instructions
     for name in ("primary", "shadow", "normals"):
         stage = first["stages"][name]
-        assert stage["instructions"] < 0.9 * whole * stage["evaluations"] / stage["occupancy"], name
+        assert stage["instructions"] < 0.55 * whole * stage["evaluations"] / stage["occupancy"], name
 
 
 @pytest.mark.parametrize("normals", ["exact", "central", "tetrahedron"])

@@ -295,9 +295,10 @@ def test_python_changes_what_is_shown(make: Callable[..., Front]):
 def test_another_front_end_gets_pictures_too(make: Callable[..., Front]):
     front = make()
     front.hello()
-    front.frame(last=True)
+    _, first = front.frame(last=True)
     front.hello()
-    front.frame(last=True)
+    _, again = front.frame(last=True)
+    assert again == first
 
 
 @pytest.mark.parametrize(

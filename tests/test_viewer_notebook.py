@@ -130,10 +130,12 @@ def test_python_sees_what_the_hand_did_and_changes_the_scene(notebook: ViewerPag
 
 
 def test_the_viewer_follows_while_a_cell_runs(notebook: ViewerPage):
+    seen = notebook.frames()
     jupyter_lab.run_cell(notebook.page, 2)
     notebook.page.get_by_text("(ipykernel) | Busy").wait_for()
     notebook.drag()
     notebook.page.get_by_text("moved meanwhile").wait_for()
+    assert notebook.frames() > seen
 
 
 @pytest.mark.usefixtures("notebook")
