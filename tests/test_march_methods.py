@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import functools
-import math
 import itertools
+import math
 
 import numpy as np
 import pytest
@@ -239,7 +239,7 @@ def cast(shape: om.Shape, camera: str, method: str, **options) -> om.Image:
 
 
 def hit_tolerance(camera: str, t: np.ndarray, march: dict[str, float]) -> np.ndarray:
-    """Return the hit epsilon at t, as docs/semantics.md has it, of pictures of 43 rows; 1e-5 for what rounding needs."""
+    """Return the hit epsilon at t in pictures of 43 rows, as docs/semantics.md has it; 1e-5 for what roundings need."""
     seen = CAMERAS[camera]
     if isinstance(seen, om.OrthographicCamera):
         pixel = np.full_like(t, seen.height / 2 / 43)
