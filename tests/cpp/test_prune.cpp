@@ -9,24 +9,22 @@
 #include <string>
 #include <vector>
 
+#include "parts.hpp"
 #include <doctest/doctest.h>
 
 #include "octomarch/base/types.hpp"
 #include "octomarch/graph/builder.hpp"
 #include "octomarch/kernels/dispatch.hpp"
-#include "octomarch/program/octree.hpp"
 #include "octomarch/program/operator_ranges.hpp"
 #include "octomarch/program/program.hpp"
 #include "octomarch/program/prune.hpp"
 #include "octomarch/render/buffer.hpp"
-#include "octomarch/render/cell_groups.hpp"
 
 namespace octomarch {
 namespace {
 
 using Kind = NodeKind;
 
-constexpr std::size_t kPoints = 16;
 constexpr double kFar = std::numeric_limits<double>::infinity();
 
 // Shapes ---------------------------------------------------------------------------------------------------------------
@@ -223,132 +221,6 @@ std::vector<const Tape*> tapes() {
 
 // Regions and values in them -------------------------------------------------------------------------------------------
 
-using Random = std::mt19937_64;
-
-double uniform(Random& random, double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); }
-
-/// A box of any size, from points to all of space, its ends often on numbers where operators change.
-template <class Real>
-Region<Real> random_region(Random& random) {
-  constexpr std::array<double, 9> kSizes = {0.0, 1e-30, 1e-5, 0.1, 0.5, 2.0, 1e4, 1e21, 1e38};
-  constexpr std::array<double, 7> kPlaces = {0.0, 0.0, 0.25, 0.75, 3.0, 1e4, 1e21};
-  Region<Real> region;
-  const double common = kSizes[random() % kSizes.size()];
-  const double place = kPlaces[random() % kPlaces.size()];
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    const double size = random() % 4 == 0 ? kSizes[random() % kSizes.size()] : common;
-    const double middle = random() % 2 == 0 ? place * static_cast<double>(random() % 3) - place
-                                            : uniform(random, -1.0, 1.0) * (place + 1.0);
-    region.lo[axis] = static_cast<Real>(middle);
-    region.hi[axis] = static_cast<Real>(middle + size);
-    if (random() % 16 == 0) region.lo[axis] = -std::numeric_limits<Real>::infinity();
-    if (random() % 16 == 0) region.hi[axis] = std::numeric_limits<Real>::infinity();
-  }
-  return region;
-}
-
-/// The eighth part of a region, at random.
-template <class Real>
-Region<Real> part_of(const Region<Real>& region, Random& random) {
-  Region<Real> part = region;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    const Real middle = region.lo[axis] + (region.hi[axis] - region.lo[axis]) * Real(0.5);
-    if (middle != middle) continue;
-    (random() % 2 == 0 ? part.lo : part.hi)[axis] = middle;
-  }
-  return part;
-}
-
-/// A number of [lo, hi], often an end of it.
-template <class Real>
-Real number_in(Real lo, Real hi, Random& random) {
-  switch (random() % 4) {
-    case 0: return lo;
-    case 1: return hi;
-    default: break;
-  }
-  constexpr double kLargest = static_cast<double>(std::numeric_limits<Real>::max());
-  const double low = std::max(static_cast<double>(lo), -kLargest);
-  const double high = std::min(static_cast<double>(hi), kLargest);
-  const double part = uniform(random, 0.0, 1.0);
-  return std::clamp(static_cast<Real>(low * (1.0 - part) + high * part), lo, hi);
-}
-
-template <class Real>
-VectorBuffer<Real> points_in(const Region<Real>& region, Random& random) {
-  VectorBuffer<Real> points(kernels::kLanes);
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    points.x[i] = number_in(region.lo[0], region.hi[0], random);
-    points.y[i] = number_in(region.lo[1], region.hi[1], random);
-    points.z[i] = number_in(region.lo[2], region.hi[2], random);
-  }
-  return points;
-}
-
-template <class Real>
-const Real* constants_of(const Tape& tape) {
-  if constexpr (std::is_same_v<Real, float>) {
-    return tape.constants_f32.data();
-  } else {
-    return tape.constants.data();
-  }
-}
-
-/// Runs code of a tape over points by the one-lane kernels; fills rows by register.
-template <class Real>
-class Runner final : public Sampler<Real> {
- public:
-  explicit Runner(const Tape& tape) : tape_(tape), memory_(4 * std::size_t{tape.registers} * kernels::kLanes) {
-    for (const NodePtr& node : tape.images) {
-      const auto size = [&node](std::size_t i) { return static_cast<std::uint32_t>(node->parameter(i)); };
-      images_.push_back({node->texels().data(), size(0), size(1), node->kind() == NodeKind::kGrid ? size(2) : 1U});
-    }
-  }
-
-  /// Values of registers at all points, one after the other, after the first `length` instructions.
-  std::vector<Real> values(const TapePart& part, std::size_t length, const VectorBuffer<Real>& points,
-                           const std::vector<std::uint16_t>& registers) {
-    std::vector<Buffer<Real>> rows;
-    std::vector<Real*> outs;
-    for (std::size_t i = 0; i < registers.size(); ++i) outs.push_back(rows.emplace_back(kernels::kLanes).data());
-    const kernels::Vectors<const Real> normals = points.read();  // any numbers will do
-    table().expressions(view(part, length), memory_.data(), points.read(), tape_.inputs == 6 ? &normals : nullptr,
-                        kPoints, &never_, registers.data(), registers.size(), outs.data());
-    std::vector<Real> all;
-    for (const Buffer<Real>& row : rows) all.insert(all.end(), row.data(), row.data() + kPoints);
-    return all;
-  }
-
-  std::vector<Real> results(const TapePart& part, const VectorBuffer<Real>& points) {
-    return values(part, part.code.size(), points, part.results);
-  }
-
-  std::vector<Real> gradients(const TapePart& part, const VectorBuffer<Real>& points) {
-    VectorBuffer<Real> out(kernels::kLanes);
-    table().gradient(view(part, part.code.size()), memory_.data(), points.read(), kPoints, &never_, out.view());
-    std::vector<Real> all;
-    for (const Buffer<Real>* row : {&out.x, &out.y, &out.z}) {
-      all.insert(all.end(), row->data(), row->data() + kPoints);
-    }
-    return all;
-  }
-
-  void compare(const TapePart& part, const SamplePoints<Real>& points, const Real* gaps, TakenAt* taken) override {
-    table().compare(view(part, part.code.size()), memory_.data(), {points.x, points.y, points.z}, gaps, taken);
-  }
-
- private:
-  static const kernels::KernelTable<Real>& table() { return kernels::find_isa("scalar").table<Real>(); }
-  kernels::TapeView<Real> view(const TapePart& part, std::size_t length) const {
-    return {part.code.data(), length, constants_of<Real>(tape_), part.registers, part.results.front(), images_.data()};
-  }
-
-  const Tape& tape_;
-  bool never_ = false;
-  std::vector<kernels::ImageView> images_;
-  Buffer<Real> memory_;
-};
-
 template <class Real>
 bool holds(const Range<Real>& range, Real value) {
   return std::isnan(value) ? range.is_whole() : range.lo <= value && value <= range.hi;
@@ -425,13 +297,6 @@ std::size_t check_parts(const Tape& tape, Region<Real> region, bool is_distance,
     region = part_of(region, random);
   }
   return whole.code.size() - part.code.size();
-}
-
-/// A row of balls, farther and farther from the origin.
-NodePtr row_of_balls(int count, double k) {
-  std::vector<NodePtr> balls;
-  for (int i = 0; i < count; ++i) balls.push_back(translate(sphere(0.25), {2.0 * i, 0.0, 0.0}));
-  return combine(Kind::kUnion, std::move(balls), k);
 }
 
 template <class Real>
@@ -551,53 +416,6 @@ TEST_CASE_TEMPLATE("choices by a constant", Real, float, double) {
   CHECK(length(choice, both) > 2);
 }
 
-TEST_CASE_TEMPLATE("an octree finds the same part in every thread's pruner", Real, float, double) {
-  const auto program = compile(row_of_balls(40, 0.25));
-  const Tape& tape = program->distance();
-  Octree<Real> octree(tape, *program->focus(), 100.0);
-  Runner<Real> runner(tape);
-  Pruner<Real> first(tape, octree.margins(), runner);
-  Pruner<Real> second(tape, octree.margins(), runner);
-  typename Octree<Real>::Cell* cell = octree.tops().data();
-  while (!cell->is_leaf) {
-    typename Octree<Real>::Cell* const child = octree.child(*cell, 7, first);
-    REQUIRE(child != nullptr);
-    CHECK(octree.child(*cell, 7, second) == child);
-    CHECK(child->part->code.size() <= cell->part->code.size());
-    cell = child;
-  }
-  CHECK(octree.cells() > 2);
-  CHECK(octree.bytes() > 0);
-}
-
-TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float, double) {
-  Random random(6);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
-  const auto program = compile(row_of_balls(2000, 0.25));
-  const Tape& tape = program->distance();
-  Octree<Real> roomy(tape, *program->focus(), 8000.0);
-  Octree<Real> full(tape, *program->focus(), 8000.0, 0);
-  Runner<Real> runner(tape);
-  const Region<Real> all{{0, -1, -1}, {4000, 1, 1}};
-  constexpr std::size_t kCount = 1000;
-  const bool never = false;
-  std::vector<std::array<Real, 3>> points(kCount);
-  for (auto& p : points)
-    for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = number_in(all.lo[axis], all.hi[axis], random);
-  std::vector<std::size_t> lengths;
-  for (Octree<Real>* octree : {&roomy, &full}) {
-    CellGroups<Real> groups(*octree, runner);
-    StageStats stage;
-    groups.sort(kCount, 3.0, never, stage, [&](std::size_t i) { return points[i]; });
-    std::size_t length = 0;
-    for (const CellGroup<Real>& group : groups.groups()) length += group.count * group.cell->part->code.size();
-    lengths.push_back(length);
-  }
-  CHECK(lengths[0] == lengths[1]);
-  CHECK(lengths[0] < kCount * tape.code.size() / 4);
-  CHECK(roomy.cells() > full.cells());
-  CHECK(full.is_full());
-}
-
 TEST_CASE_TEMPLATE("samples tell which of many balls are near, and of what else there is only where it has slopes",
                    Real, float, double) {
   const Region<Real> near{{-0.5, -0.5, -0.5}, {0.5, 0.5, 0.5}};
@@ -617,19 +435,6 @@ TEST_CASE_TEMPLATE("samples tell which of many balls are near, and of what else 
   const Region<Real> along{{Real(-0.5), -0.5, -0.5}, {Real(8.5), 0.5, 0.5}};
   CHECK(left(row_of_balls(40, 0.0), along) < 16);
   CHECK(left(row_of_balls(40, 0.0), {{-1000, -1000, -1000}, {1000, 1000, 1000}}) == 79);
-}
-
-TEST_CASE("a tape is worth an octree where much of it goes away") {
-  const auto worth = [](const NodePtr& shape) {
-    const auto program = compile(shape);
-    return is_worth_an_octree(program->distance(), program->focus().value_or(Aabb{{0, 0, 0}, {0, 0, 0}}));
-  };
-  CHECK(worth(row_of_balls(100, 0.0)));
-  CHECK(!worth(row_of_balls(10, 0.0)));
-  CHECK(!worth(row_of_balls(100, 500.0)));  // blended all over
-  std::vector<NodePtr> points;
-  for (int i = 0; i < 60; ++i) points.push_back(capped_cone(0.0, 0.0, 0.0, {1.0, 0.5 + i, 3.0}));
-  CHECK(!worth(combine(Kind::kUnion, points, 0.0)));  // all in one point
 }
 
 }  // namespace

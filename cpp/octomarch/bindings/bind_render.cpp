@@ -38,13 +38,18 @@ double occupancy(const kernels::Counters& work) {
   return work.lane_slots == 0 ? 1.0 : static_cast<double>(work.evaluations) / static_cast<double>(work.lane_slots);
 }
 
+/// Adds what a stage and all of them together are told alike.
+void add_work(py::dict& dict, const kernels::Counters& work) {
+  dict["evaluations"] = work.evaluations;
+  dict["instructions"] = work.instructions;
+  dict["occupancy"] = occupancy(work);
+  dict["packets"] = work.packets;
+}
+
 py::dict stage_dict(const StageStats& stage) {
   py::dict dict;
   dict["count"] = stage.count;
-  dict["evaluations"] = stage.work.evaluations;
-  dict["instructions"] = stage.work.instructions;
-  dict["occupancy"] = occupancy(stage.work);
-  dict["packets"] = stage.work.packets;
+  add_work(dict, stage.work);
   dict["refills"] = stage.work.refills;
   dict["cells_visited"] = stage.cells_visited;
   dict["cells_made"] = stage.cells_made;
@@ -66,10 +71,7 @@ py::dict stats_dict(const RenderStats& stats, const kernels::Isa& isa, unsigned 
   dict["precision"] = precision;
   dict["threads"] = threads;
   dict["rays"] = stats.primary.count;
-  dict["evaluations"] = all.work.evaluations;
-  dict["instructions"] = all.work.instructions;
-  dict["occupancy"] = occupancy(all.work);
-  dict["packets"] = all.work.packets;
+  add_work(dict, all.work);
   dict["without_gradient"] = stats.normals.without;
   dict["cells"] = all.cells_made;
   dict["cell_bytes"] = stats.cell_bytes;

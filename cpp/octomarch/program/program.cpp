@@ -65,14 +65,14 @@ const Expressions& Program::surface() const {
   return surface_;
 }
 
-const Apart* Program::apart() const {
-  std::call_once(apart_once_, [this] {
+const PlanesAndRest* Program::planes_and_rest() const {
+  std::call_once(planes_once_, [this] {
     Separated separated = separate_planes(root_, site_.anchor);
     if (separated.planes.empty()) return;
-    apart_ = Apart{std::move(separated.planes), nullptr};
-    if (separated.rest) apart_->rest = std::make_unique<const Program>(separated.rest, site_.anchor);
+    planes_ = PlanesAndRest{std::move(separated.planes), nullptr};
+    if (separated.rest) planes_->rest = std::make_unique<const Program>(separated.rest, site_.anchor);
   });
-  return apart_ ? &*apart_ : nullptr;
+  return planes_ ? &*planes_ : nullptr;
 }
 
 template <class Real>

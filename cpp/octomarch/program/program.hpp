@@ -63,7 +63,7 @@ struct ProgramOctrees;
 class Program;
 
 /// A shape's planes, and the program of all the rest, which has the same anchor; null where nothing is left.
-struct Apart {
+struct PlanesAndRest {
   std::vector<Plane> planes;
   std::unique_ptr<const Program> rest;
 };
@@ -98,7 +98,7 @@ class Program {
   const std::optional<Aabb>& focus() const { return focus_; }
   /// The field as planes and a rest, of which it is the least; null where it has no planes. Compiled when first
   /// asked for.
-  const Apart* apart() const;
+  const PlanesAndRest* planes_and_rest() const;
   /// Octrees of the tapes, which stay as long as the program.
   ProgramOctrees& octrees() const { return *octrees_; }
 
@@ -116,8 +116,8 @@ class Program {
   mutable Expressions surface_;
   mutable std::once_flag doubt_once_;
   mutable Doubt doubt_f32_, doubt_f64_;
-  mutable std::once_flag apart_once_;
-  mutable std::optional<Apart> apart_;
+  mutable std::once_flag planes_once_;
+  mutable std::optional<PlanesAndRest> planes_;
   std::unique_ptr<ProgramOctrees> octrees_;
 };
 

@@ -37,10 +37,10 @@ template <class Real>
 SharedField<Real> share_field(const Program& program, const March& march, bool many, const Vec3& from, double reach) {
   SharedField<Real> shared{&program, many ? octree_for<Real>(program, march, from, reach) : nullptr, nullptr, nullptr,
                            march.method == Method::kAuto};
-  if (!shared.clips || march.bias != 0.0 || program.is_solid()) return shared;
-  shared.apart = program.apart();
-  if (shared.apart == nullptr || !shared.apart->rest) return shared;
-  if (many) shared.rest_octree = octree_for<Real>(*shared.apart->rest, march, from, reach);
+  if (!shared.clips_to_bounds || march.bias != 0.0 || program.is_solid()) return shared;
+  shared.split = program.planes_and_rest();
+  if (shared.split == nullptr || !shared.split->rest) return shared;
+  if (many) shared.rest_octree = octree_for<Real>(*shared.split->rest, march, from, reach);
   return shared;
 }
 
@@ -48,7 +48,7 @@ template <class Real>
 Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<Real>& kernels, std::size_t size)
     : program_(*shared.program),
       octree_(shared.octree.get()),
-      clips_(shared.clips),
+      clips_to_bounds_(shared.clips_to_bounds),
       kernels_(kernels),
       tape_(program_.distance(), TapeUse::kMarches),
       points_(kernels::padded_lanes(size)),
@@ -56,14 +56,15 @@ Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<R
       ends_(kernels::padded_lanes(size)),
       sampler_(tape_, kernels) {
   if (shared.octree) groups_.emplace(*shared.octree, sampler_);
-  if (shared.apart == nullptr) return;
-  for (const Plane& plane : shared.apart->planes) {
+  if (shared.split == nullptr) return;
+  for (const Plane& plane : shared.split->planes) {
     for (const double number : plane) planes_.push_back(static_cast<Real>(number));
   }
   met_ = Buffer<Real>(kernels::padded_lanes(size));
-  if (!shared.apart->rest) return;
+  if (!shared.split->rest) return;
   rest_ = std::make_unique<Field>(
-      SharedField<Real>{shared.apart->rest.get(), shared.rest_octree, nullptr, nullptr, clips_}, kernels, size);
+      SharedField<Real>{shared.split->rest.get(), shared.rest_octree, nullptr, nullptr, clips_to_bounds_}, kernels,
+      size);
 }
 
 template <class Real>

@@ -19,9 +19,9 @@ template <class Real>
 struct SharedField {
   const Program* program;
   std::shared_ptr<Octree<Real>> octree;  ///< of program->distance(), or null
-  const Apart* apart = nullptr;          ///< where rays meet its planes in closed form, and march the rest
+  const PlanesAndRest* split = nullptr;  ///< where rays meet its planes in closed form, and march the rest
   std::shared_ptr<Octree<Real>> rest_octree;
-  bool clips = false;  ///< are rays only marched within bounds?
+  bool clips_to_bounds = false;  ///< are rays only marched within them?
 };
 
 /// `many`: is there enough to do for an octree about all that is at most `reach` away from a point (counted from the program's
@@ -78,7 +78,9 @@ class Field {
   static Rays ending_at(const Buffer<Real>& end, Rays rays);
   Rays clipped(Rays rays, Real widening, const Parameters& parameters, RayBatch<Real>& batch) const;
   Aabb bounds_on_grid() const;
-  bool has_bounds() const { return clips_ && is_bounded(program_.site().bounds) && !is_empty(program_.site().bounds); }
+  bool has_bounds() const {
+    return clips_to_bounds_ && is_bounded(program_.site().bounds) && !is_empty(program_.site().bounds);
+  }
   kernels::PlanesView<Real> planes() const { return {planes_.data(), planes_.size() / 4}; }
   void march_cones(const Rays& rays, const Parameters& parameters, StageStats& stage);
   std::uint64_t enter_bounds(const Parameters& parameters, std::size_t count);
@@ -115,7 +117,7 @@ class Field {
 
   const Program& program_;
   const Octree<Real>* octree_;
-  const bool clips_;
+  const bool clips_to_bounds_;
   const kernels::KernelTable<Real>& kernels_;
   LoadedTape<Real> tape_;
   std::optional<LoadedTape<Real>> gradient_;

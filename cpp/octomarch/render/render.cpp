@@ -67,7 +67,7 @@ RenderStats render(const Picture& whole, const Planes<Real>& planes, const kerne
     if (renderer) add_all(stats, renderer->stats());
   }
   if (field.octree) stats.cell_bytes += picture.program->octrees().template bytes<Real>();
-  if (field.rest_octree) stats.cell_bytes += field.apart->rest->octrees().template bytes<Real>();
+  if (field.rest_octree) stats.cell_bytes += field.split->rest->octrees().template bytes<Real>();
   return stats;
 }
 
