@@ -62,7 +62,7 @@ WORK = {
         "om.render(shape, camera, (4000, 4000), progress=note, march=om.March('fixed', step=1e-5))",
     ),
     "many samples": (SMALL, "om.render(shape, camera, (4000, 4000), progress=note, samples=64)"),
-    "a large scene": (LARGE, "om.render(shape, camera, (4000, 4000), progress=note)"),
+    "a large scene": (LARGE, "om.render(shape, camera, (16000, 16000), progress=note)"),
     "occlusion of a large scene": (
         LARGE,
         "om.render(shape, camera, (4000, 4000), progress=note, march=whole, shading=om.Shading(occlusion=64))",

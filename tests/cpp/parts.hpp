@@ -117,12 +117,12 @@ class Runner final : public Sampler<Real> {
   }
 
   std::vector<Real> results(const TapePart& part, const VectorBuffer<Real>& points) {
-    return values(part, part.code.size(), points, part.results);
+    return values(part, part.length, points, {part.results, part.results + part.result_count});
   }
 
   std::vector<Real> gradients(const TapePart& part, const VectorBuffer<Real>& points) {
     VectorBuffer<Real> out(kernels::kLanes);
-    table().gradient(view(part, part.code.size()), memory_.data(), points.read(), kPoints, &never_, out.view());
+    table().gradient(view(part, part.length), memory_.data(), points.read(), kPoints, &never_, out.view());
     std::vector<Real> all;
     for (const Buffer<Real>* row : {&out.x, &out.y, &out.z}) {
       all.insert(all.end(), row->data(), row->data() + kPoints);
@@ -130,14 +130,15 @@ class Runner final : public Sampler<Real> {
     return all;
   }
 
-  void compare(const TapePart& part, const SamplePoints<Real>& points, const Real* gaps, TakenAt* taken) override {
-    table().compare(view(part, part.code.size()), memory_.data(), {points.x, points.y, points.z}, gaps, taken);
+  void compare(const TapePart& part, const SamplePoints<Real>& points, const Margin* margins, TakenAt* taken) override {
+    table().compare(view(part, part.length), memory_.data(), {points.x, points.y, points.z}, points.radius,
+                    part.origins, margins, taken);
   }
 
  private:
   static const kernels::KernelTable<Real>& table() { return kernels::find_isa("scalar").table<Real>(); }
   kernels::TapeView<Real> view(const TapePart& part, std::size_t length) const {
-    return {part.code.data(), length, constants_of<Real>(tape_), part.registers, part.results.front(), images_.data()};
+    return {part.code, length, constants_of<Real>(tape_), part.registers, part.result, images_.data()};
   }
 
   const Tape& tape_;

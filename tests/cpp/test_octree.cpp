@@ -15,17 +15,18 @@ namespace {
 TEST_CASE_TEMPLATE("an octree finds the same part in every thread's pruner", Real, float, double) {
   const auto program = compile(row_of_balls(40, 0.25));
   const Tape& tape = program->distance();
-  Octree<Real> octree(tape, *program->focus(), 100.0);
+  Octree<Real> octree(tape, *program->focus());
   Runner<Real> runner(tape);
-  Pruner<Real> first(tape, octree.margins(), runner);
-  Pruner<Real> second(tape, octree.margins(), runner);
-  typename Octree<Real>::Cell* cell = octree.tops().data();
+  CellMaker<Real> first(octree, runner);
+  CellMaker<Real> second(octree, runner);
+  typename Octree<Real>::Cell* cell = &octree.tops().front().cell;
+  typename Octree<Real>::Place place{octree.tops().data(), 0, {}};
   while (!cell->is_leaf) {
-    typename Octree<Real>::Cell* const child = octree.child(*cell, 7, first);
-    REQUIRE(child != nullptr);
-    CHECK(octree.child(*cell, 7, second) == child);
-    CHECK(child->part->code.size() <= cell->part->code.size());
-    cell = child;
+    place = place.child(7);
+    typename Octree<Real>::Cell& child = first.child(*cell, place, 7);
+    CHECK(&second.child(*cell, place, 7) == &child);
+    CHECK(child.part.length <= cell->part.length);
+    cell = &child;
   }
   CHECK(octree.cells() > 2);
   CHECK(octree.bytes() > 0);
@@ -35,8 +36,8 @@ TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float
   Random random(6);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   const auto program = compile(row_of_balls(2000, 0.25));
   const Tape& tape = program->distance();
-  Octree<Real> roomy(tape, *program->focus(), 8000.0);
-  Octree<Real> full(tape, *program->focus(), 8000.0, 0);
+  Octree<Real> roomy(tape, *program->focus());
+  Octree<Real> full(tape, *program->focus(), 0);
   Runner<Real> runner(tape);
   const Region<Real> all{{0, -1, -1}, {4000, 1, 1}};
   constexpr std::size_t kCount = 1000;
@@ -44,17 +45,26 @@ TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float
   std::vector<std::array<Real, 3>> points(kCount);
   for (auto& p : points)
     for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = number_in(all.lo[axis], all.hi[axis], random);
-  std::vector<std::size_t> lengths;
-  for (Octree<Real>* octree : {&roomy, &full}) {
-    CellGroups<Real> groups(*octree, runner);
+  const auto lengths_of_rounds = [&](Octree<Real>& octree) {
+    CellGroups<Real> groups(octree, runner);
     StageStats stage;
-    groups.sort(kCount, 3.0, never, stage, [&](std::size_t i) { return points[i]; });
-    std::size_t length = 0;
-    for (const CellGroup<Real>& group : groups.groups()) length += group.count * group.cell->part->code.size();
-    lengths.push_back(length);
-  }
-  CHECK(lengths[0] == lengths[1]);
-  CHECK(lengths[0] < kCount * tape.code.size() / 4);
+    std::vector<std::size_t> lengths;
+    for (int round = 0; round < 6; ++round) {
+      groups.sort(kCount, 3.0, never, stage, [&](std::size_t i) { return points[i]; });
+      std::size_t length = 0;
+      for (const CellGroup<Real>& group : groups.groups()) length += group.count * group.cell->part.length;
+      lengths.push_back(length);
+    }
+    return lengths;
+  };
+  const std::vector<std::size_t> in_roomy = lengths_of_rounds(roomy);
+  const std::vector<std::size_t> in_full = lengths_of_rounds(full);
+  CHECK(in_roomy.front() == in_full.front());
+  CHECK(in_full.front() < kCount * tape.code.size() / 2);
+  CHECK(in_full.back() == in_full.front());
+  // cells are made as their having been missing adds up
+  CHECK(std::is_sorted(in_roomy.rbegin(), in_roomy.rend()));
+  CHECK(in_roomy.back() < kCount * tape.code.size() / 4);
   CHECK(roomy.cells() > full.cells());
   CHECK(full.is_full());
 }

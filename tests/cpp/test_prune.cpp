@@ -247,7 +247,8 @@ std::string text_of(const Region<Real>& region) {
 /// Walks a tape over a region and over points of it side by side.
 template <class Real>
 void check_ranges(const Tape& tape, const Region<Real>& region, const VectorBuffer<Real>& points) {
-  const TapePart whole = whole_of(tape);
+  const HeldPart all = whole_of(tape);
+  const TapePart whole = all.view();
   Runner<Real> runner(tape);
   std::vector<Range<Real>> ranges(tape.registers);
   for (std::uint32_t i = 0; i < tape.inputs; ++i) {
@@ -274,21 +275,30 @@ void check_ranges(const Tape& tape, const Region<Real>& region, const VectorBuff
   }
 }
 
+HeldPart copy_of(const TapePart& part) {
+  return {{part.code, part.code + part.length},
+          {part.origins, part.origins + part.length},
+          {part.results, part.results + part.result_count},
+          part.registers};
+}
+
 /// Prunes a part of a tape, and what is left in a part of the region, and so on; returns how much was dropped.
 template <class Real>
 std::size_t check_parts(const Tape& tape, Region<Real> region, bool is_distance, bool by_samples, Random& random) {
   Runner<Real> runner(tape);
   const std::vector<Margin> margins = margins_of(tape, region);
-  Pruner<Real> pruner = by_samples ? Pruner<Real>(tape, margins, runner) : Pruner<Real>(tape);
-  const TapePart whole = whole_of(tape);
-  TapePart part = whole;
+  Pruner<Real> pruner(tape, by_samples ? &runner : nullptr);
+  const HeldPart all = whole_of(tape);
+  const TapePart whole = all.view();
+  HeldPart held = all;
   for (int level = 0; level < 3; ++level) {
-    if (std::optional<TapePart> left = pruner.prune(part, region)) {
-      CHECK(left->registers <= part.registers);
-      CHECK(left->code.size() <= part.code.size());
-      CHECK(left->results.size() == part.results.size());
-      part = std::move(*left);
+    if (const std::optional<TapePart> left = pruner.prune(held.view(), region, margins.data())) {
+      CHECK(left->registers <= held.registers);
+      CHECK(left->length <= held.code.size());
+      CHECK(left->result_count == held.results.size());
+      held = copy_of(*left);
     }
+    const TapePart part = held.view();
     const VectorBuffer<Real> points = points_in(region, random);
     CHECK_MESSAGE(are_same(runner.results(part, points), runner.results(whole, points)), "in ", text_of(region));
     if (is_distance) {
@@ -296,19 +306,21 @@ std::size_t check_parts(const Tape& tape, Region<Real> region, bool is_distance,
     }
     region = part_of(region, random);
   }
-  return whole.code.size() - part.code.size();
+  return all.code.size() - held.code.size();
 }
 
 template <class Real>
-std::optional<TapePart> pruned(const std::shared_ptr<const Program>& program, const Region<Real>& region) {
+std::optional<HeldPart> pruned(const std::shared_ptr<const Program>& program, const Region<Real>& region) {
   const Tape& tape = program->distance();
-  return Pruner<Real>(tape).prune(whole_of(tape), region);
+  Pruner<Real> pruner(tape);
+  const std::optional<TapePart> part = pruner.prune(whole_of(tape).view(), region, nullptr);
+  return part ? std::optional(copy_of(*part)) : std::nullopt;
 }
 
 template <class Real>
 std::size_t length_in(const NodePtr& shape, const Region<Real>& region) {
   const auto program = compile(shape);
-  const std::optional<TapePart> part = pruned(program, region);
+  const std::optional<HeldPart> part = pruned(program, region);
   return part ? part->code.size() : program->distance().code.size();
 }
 
@@ -424,8 +436,9 @@ TEST_CASE_TEMPLATE("samples tell which of many balls are near, and of what else 
     const Tape& tape = program->distance();
     Runner<Real> runner(tape);
     const std::vector<Margin> margins = margins_of(tape, region);
-    const std::optional<TapePart> part = Pruner<Real>(tape, margins, runner).prune(whole_of(tape), region);
-    return part ? part->code.size() : tape.code.size();
+    Pruner<Real> pruner(tape, &runner);
+    const std::optional<TapePart> part = pruner.prune(whole_of(tape).view(), region, margins.data());
+    return part ? part->length : tape.code.size();
   };
   CHECK(left(row_of_balls(40, 0.0), near) == 1);
   CHECK(left(row_of_balls(40, 0.25), near) == 1);

@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "octomarch/kernels/block.hpp"
+#include "octomarch/program/choices.hpp"
 #include "octomarch/program/instruction.hpp"
 #include "octomarch/program/region.hpp"
 
@@ -294,10 +295,10 @@ struct KernelTable {
   /// The tape's result at points; NaN at NaN points, of which whole blocks cost nothing. This and the next two poll `cancelled` at every block.
   void (*distance)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
                    const bool* cancelled, Real* out);
-  /// Where, of a block of kLanes points, each instruction takes which operand, as these differ by more than its gap there.
-  /// Gaps are infinite for whatever is no operator of two distances, of which nothing is written. Arrays as long as the tape.
-  void (*compare)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, const Real* gaps,
-                  TakenAt* taken);
+  /// Where, of a block of kLanes points, each instruction takes which operand all over the balls of a radius about them.
+  /// `origins`: of the instructions in the tape that the margins are of. Arrays as long as the tape.
+  void (*compare)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, double radius,
+                  const std::uint32_t* origins, const Margin* margins, TakenAt* taken);
   /// Several results of a tape at points: outs[i] gets that of register results[i]. `normals`: inputs 3, 4, 5 of tapes that
   /// have them, else null.
   void (*expressions)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points,

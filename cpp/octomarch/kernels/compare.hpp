@@ -30,8 +30,8 @@ TakenAt taken_at(const Instruction& instruction, const Real* registers, Real gap
 }
 
 template <class Real>
-void compare(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, const Real* gaps,
-             TakenAt* taken) {
+void compare(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, double radius,
+             const std::uint32_t* origins, const Margin* margins, TakenAt* taken) {
   using T = Lanes<Real>;
   for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
     T::load(points.x + lane).store(registers + lane);
@@ -40,7 +40,10 @@ void compare(const TapeView<Real>& tape, Real* registers, const Vectors<const Re
   }
   for (std::size_t i = 0; i < tape.length; ++i) {
     const Instruction& instruction = tape.code[i];
-    if (gaps[i] < std::numeric_limits<Real>::infinity()) taken[i] = taken_at(instruction, registers, gaps[i]);
+    const Margin& margin = margins[origins[i]];
+    const auto gap = static_cast<Real>(static_cast<double>(margin.slope) * radius + static_cast<double>(margin.room));
+    const bool is_known = gap < std::numeric_limits<Real>::infinity();
+    taken[i] = is_known ? taken_at(instruction, registers, gap) : TakenAt{};
     kValueHandlers<Real>[static_cast<std::size_t>(instruction.op)](instruction, tape.constants + instruction.constants,
                                                                    registers, kLanes / kWidth<Real>, tape.images);
   }

@@ -20,6 +20,7 @@ namespace octomarch::kernels::OCTOMARCH_ISA {
 template <class Real, class Steps, class Task>
 class Marcher {
   using T = Lanes<Real>;
+  static constexpr std::size_t kInPlace = 16;
 
  public:
   Marcher(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
@@ -35,6 +36,7 @@ class Marcher {
         counters_(counters) {}
 
   void run() {
+    if (region_ != nullptr && rays_.count <= kInPlace) return run_in_place();
     Block<Real> blocks[2];
     const std::size_t files = 2 * kBusyRows;
     const std::size_t relaxation = files + 2 * std::size_t{tape_.registers};
@@ -54,6 +56,42 @@ class Marcher {
  private:
   /// A row of the march's memory.
   Real* row(std::size_t index) const { return memory_ + index * kLanes; }
+
+  /// A few rays, which share a block as they lie: nothing is copied into slots, and none is refilled.
+  void run_in_place() {
+    Block<Real> block;
+    block.slots = (rays_.count + kPacketLanes - 1) / kPacketLanes;
+    const std::size_t count = batches<Real>(block.slots * kPacketLanes);
+    std::size_t filled = 0;
+    const auto row_of = [&](const Column<Real>& column) {
+      if (column.values != nullptr) return const_cast<Real*>(column.values);  // which is read only
+      Real* const constant = row(filled++);
+      for_each_batch<Real>(count, [&](std::size_t lane) { T(column.value).store(constant + lane); });
+      return constant;
+    };
+    block.state = {row_of(rays_.dx),    row_of(rays_.dy),      row_of(rays_.dz), march_.t,
+                   march_.before,       row_of(rays_.ox),      row_of(rays_.oy), row_of(rays_.oz),
+                   row_of(rays_.t_max), row_of(rays_.epsilon), march_.stride,    march_.boldness};
+    block.registers = row(filled);
+    for (std::size_t slot = 0; slot < block.slots; ++slot) block.first_ray[slot] = slot * kPacketLanes;
+    counters_.packets += block.slots;
+    for_each_batch<Real>(count, [&](std::size_t lane) {
+      block.live |= (T::load(march_.t + lane) <= T::load(block.state.t_max + lane)).bits() << lane;
+    });
+    block.live &= ~std::uint64_t{0} >> (kLanes - rays_.count);
+    while (block.live != 0 && block.step < parameters_.max_steps) {
+      if (is_set(parameters_.cancelled)) return;
+      advance(block);
+    }
+    if (march_.steps != nullptr) record_steps(block, block.live);
+    __builtin_memcpy(march_.radius, block.registers + tape_.result * kLanes, rays_.count * sizeof(Real));
+    for (std::size_t ray = 0; ray < rays_.count; ++ray) march_.pause[ray] = pause_of(block, ray);
+  }
+
+  static std::uint8_t pause_of(const Block<Real>& block, std::size_t lane) {
+    if ((block.left >> lane & 1U) != 0) return static_cast<std::uint8_t>(Pause::kLeft);
+    return static_cast<std::uint8_t>((block.live >> lane & 1U) != 0 ? Pause::kSpent : Pause::kEnded);
+  }
 
   void open(Block<Real>& block, Real* busy, Real* registers, Real* relaxation, Real* quiet) {
     block.registers = registers;

@@ -1,6 +1,8 @@
 // Which opcodes take one of two operands, and by what. margins.hpp, prune.hpp and the kernel that compares build on it.
 #pragma once
 
+#include <limits>
+
 #include "octomarch/program/instruction.hpp"
 
 namespace octomarch {
@@ -61,5 +63,24 @@ constexpr Real blend_reach(Opcode op, const Real* p) {
     default: return Real(0);
   }
 }
+
+/// For each instruction of a tape: operands whose difference at a point is more than room + slope·R keep their order, and do not
+/// blend, within R of it, roundings included. Infinite where nothing is known: operands that jump, or have no bound, and whatever
+/// is no operator of two distances.
+struct Margin {
+  float slope;
+  float room;
+};
+
+constexpr bool is_known(const Margin& margin) {
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  return margin.slope < kInfinity && margin.room < kInfinity;
+}
+
+/// At which of 64 points an operator is known to take its first operand, and where its second.
+struct TakenAt {
+  std::uint64_t first = 0;
+  std::uint64_t second = 0;
+};
 
 }  // namespace octomarch

@@ -44,12 +44,6 @@ struct Instruction {
   friend bool operator==(const Instruction&, const Instruction&) = default;
 };
 
-/// At which of 64 points an operator is known to take its first operand, and where its second.
-struct TakenAt {
-  std::uint64_t first = 0;
-  std::uint64_t second = 0;
-};
-
 static_assert(sizeof(Instruction) == 20, "the tape is streamed at every step: keep it small");
 
 }  // namespace octomarch

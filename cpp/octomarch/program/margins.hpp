@@ -12,13 +12,6 @@
 
 namespace octomarch {
 
-/// For each instruction of a tape: operands whose difference at a point is more than room + slope·R keep their order, and do not
-/// blend, within R of it, roundings included. Infinite where nothing is known: operands that jump, or have no bound.
-struct Margin {
-  float slope;
-  float room;
-};
-
 /// O(tape). `everywhere`: holds all points at which the tape is run.
 template <class Real>
 std::vector<Margin> margins_of(const Tape& tape, const Region<Real>& everywhere);

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <string_view>
+#include <span>
 #include <utility>
+
+#include "octomarch/base/hash.hpp"
 
 namespace octomarch {
 
@@ -14,6 +16,8 @@ namespace {
 constexpr std::size_t kShort = 12;
 /// Parts that repeat are short ones.
 constexpr std::size_t kShared = 64;
+/// Parts longer than this, which are made smaller before long, are packed.
+constexpr std::size_t kPacked = 64;
 /// A cell that leaves more than this of its parent's part gains nothing; after so many in a row there are no more.
 constexpr double kStall = 0.8;
 constexpr unsigned kStalls = 3;
@@ -23,6 +27,14 @@ constexpr double kDetail = 1.0 / 16.0;
 constexpr std::size_t kMostBytes = std::size_t{1} << 29;
 /// A long tape gets more: as much for each of its instructions, which holds the large cells from which small ones come.
 constexpr std::size_t kMostBytesOfInstruction = 2048;
+/// The first of the largest cells is so much larger than the focus: rays are marched from a little outside of a solid's bounds.
+constexpr double kRoomAbout = 1.125;
+/// Each is so much larger than the one before.
+constexpr double kGrowth = 4.0;
+constexpr std::size_t kTops = 24;  // beyond which nobody looks
+/// Smallest cells across one.
+template <class Real>
+constexpr Real kAcross = static_cast<Real>(1U << Octree<Real>::kLevels);
 /// Tapes shorter than this are run whole.
 constexpr std::size_t kLong = 48;
 
@@ -30,75 +42,112 @@ constexpr std::size_t kLong = 48;
 /// may pass without gain.
 unsigned most_stalls(std::size_t length) { return kStalls + static_cast<unsigned>(std::bit_width(length / kShared)); }
 
-template <class Real>
-Region<Real> octant_of(const Region<Real>& region, const Real (&middle)[3], unsigned octant) {
-  Region<Real> child = region;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    ((octant >> axis & 1U) != 0 ? child.lo : child.hi)[axis] = middle[axis];
-  }
-  return child;
-}
-
-template <class Real>
-void set_middle(const Region<Real>& region, Real (&middle)[3]) {
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    middle[axis] = region.lo[axis] + (region.hi[axis] - region.lo[axis]) * Real(0.5);
-  }
-}
-
-template <class Real>
-Region<Real> cube_about(const Aabb& focus, double half) {
-  const double middle[3] = {0.5 * (focus.lo.x + focus.hi.x), 0.5 * (focus.lo.y + focus.hi.y),
-                            0.5 * (focus.lo.z + focus.hi.z)};
-  Region<Real> cube;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    cube.lo[axis] = static_cast<Real>(middle[axis] - half);
-    cube.hi[axis] = static_cast<Real>(middle[axis] + half);
-  }
-  return cube;
+/// Each of 13 bits moves to three times its place (H. S. Warren, "Hacker's Delight", 2nd ed., 7-2: halves, quarters, ... are drawn
+/// apart).
+constexpr std::uint64_t spread(std::uint32_t number) {
+  std::uint64_t bits = number;
+  bits = (bits | bits << 16U) & 0x0000'FF00'00FFULL;
+  bits = (bits | bits << 8U) & 0x00F0'0F00'F00FULL;
+  bits = (bits | bits << 4U) & 0x0C30'C30C'30C3ULL;
+  bits = (bits | bits << 2U) & 0x2492'4924'9249ULL;
+  return bits;
 }
 
 double longest_side(const Aabb& box) {
   return std::max({box.hi.x - box.lo.x, box.hi.y - box.lo.y, box.hi.z - box.lo.z});
 }
 
-std::size_t bytes_of(const TapePart& part) {
-  return sizeof(TapePart) + part.code.size() * sizeof(Instruction) + part.origins.size() * sizeof(std::uint32_t) +
-         part.results.size() * sizeof(std::uint16_t);
+bool are_equal(const TapePart& a, const TapePart& b) {
+  const auto are_same = [](const auto* first, const auto* second, std::size_t count) {
+    return first == second || (first != nullptr && second != nullptr && std::equal(first, first + count, second));
+  };
+  return a.length == b.length && a.registers == b.registers && are_same(a.results, b.results, a.result_count) &&
+         are_same(a.code, b.code, a.length) && are_same(a.origins, b.origins, a.length);
 }
 
-std::size_t hash_of(const TapePart& part) {
-  const auto* bytes = reinterpret_cast<const char*>(part.code.data());
-  return std::hash<std::string_view>()({bytes, part.code.size() * sizeof(Instruction)});
+/// Parts of one tape differ in their constants, or hardly.
+std::uint64_t hash_of(const TapePart& part) {
+  std::uint64_t hash = part.length;
+  for (const Instruction& instruction : part.instructions()) mix(hash, instruction.constants);
+  return hash;
 }
 
 }  // namespace
 
 template <class Real>
-Octree<Real>::Octree(const Tape& tape, const Aabb& focus, double reach)
-    : Octree(tape, focus, reach, std::max(kMostBytes, tape.code.size() * kMostBytesOfInstruction)) {}
+typename Octree<Real>::Cell* Octree<Real>::Cell::child(unsigned octant) const {
+  const Branch* const made = branch.load(std::memory_order_acquire);
+  return made == nullptr ? nullptr : made->children[octant].load(std::memory_order_acquire);
+}
 
 template <class Real>
-Octree<Real>::Octree(const Tape& tape, const Aabb& focus, double reach, std::size_t most_bytes)
-    : tape_(tape), focus_size_(static_cast<Real>(longest_side(focus))), most_bytes_(most_bytes) {
-  constexpr Real kFar = std::numeric_limits<Real>::infinity();
-  auto whole = std::make_shared<const TapePart>(whole_of(tape));
-  outside_.region = {{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}};
-  outside_.part = whole;
-  outside_.is_leaf = true;
-  const double half = 0.5 * longest_side(focus);
-  reach_ = std::max(reach, half);
-  tops_[0].region = cube_about<Real>(focus, half);
-  tops_[1].region = cube_about<Real>(focus, reach_);
-  for (Cell& top : tops_) {
-    set_middle(top.region, top.middle);
-    top.part = whole;
-    top.stalled = 0;
-    top.is_leaf = is_small(top.region);
+typename Octree<Real>::Place Octree<Real>::Place::child(unsigned octant) const {
+  Place place{top, level + 1, corner};
+  for (unsigned axis = 0; axis < 3; ++axis) place.corner[axis] += (octant >> axis & 1U) << (kLevels - place.level);
+  return place;
+}
+
+template <class Real>
+Region<Real> Octree<Real>::Place::region() const {
+  const std::uint32_t across = 1U << (kLevels - level);
+  Region<Real> region;
+  for (unsigned axis = 0; axis < 3; ++axis) {
+    const auto end = [&](std::uint32_t at) { return top->lo[axis] + static_cast<Real>(at) * top->size; };
+    region.lo[axis] = end(corner[axis]) - top->room;
+    region.hi[axis] = end(corner[axis] + across) + top->room;
   }
-  margins_ = margins_of(tape, tops_[1].region);
+  return region;
+}
+
+template <class Real>
+Octree<Real>::Octree(const Tape& tape, const Aabb& focus)
+    : Octree(tape, focus, std::max(kMostBytes, tape.code.size() * kMostBytesOfInstruction)) {}
+
+template <class Real>
+Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes)
+    : tape_(tape),
+      focus_size_(static_cast<Real>(longest_side(focus))),
+      most_bytes_(most_bytes),
+      whole_(whole_of(tape)) {
+  constexpr double kFarthest = static_cast<double>(std::numeric_limits<Real>::max()) / 16.0;
+  outside_.part = whole_.view();
+  outside_.is_leaf = true;
+  tops_ = std::vector<Top>(kTops);
+  const double middle[3] = {0.5 * (focus.lo.x + focus.hi.x), 0.5 * (focus.lo.y + focus.hi.y),
+                            0.5 * (focus.lo.z + focus.hi.z)};
+  double half = 0.5 * longest_side(focus) * kRoomAbout;
+  for (Top& top : tops_) {
+    top.size = static_cast<Real>(2.0 * half / static_cast<double>(kAcross<Real>));
+    double farthest = 0.0;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      top.lo[axis] = static_cast<Real>(middle[axis] - half);
+      farthest = std::max(farthest, std::fabs(middle[axis]) + 2.0 * half);
+    }
+    top.room = static_cast<Real>(8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * farthest);
+    top.cell.part = whole_.view();
+    top.cell.is_leaf = is_small({&top, 0, {}});
+    half = std::min(half * kGrowth, kFarthest);
+  }
   cells_ = 1 + tops_.size();
-  bytes_ = sizeof(*this) + bytes_of(*whole) + margins_.size() * sizeof(Margin);
+  bytes_ =
+      sizeof(*this) + tops_.size() * sizeof(Top) + tape.code.size() * (sizeof(Instruction) + sizeof(std::uint32_t));
+}
+
+template <class Real>
+std::uint64_t Octree<Real>::way_to(Real x, Real y, Real z) const {
+  const Real point[3] = {x, y, z};
+  for (std::size_t i = 0; i < tops_.size(); ++i) {
+    const Top& top = tops_[i];
+    std::uint64_t way = 0;
+    bool is_within = true;
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const Real cells = (point[axis] - top.lo[axis]) / top.size;
+      is_within = is_within && cells >= Real(0) && cells < kAcross<Real>;
+      if (is_within) way |= spread(static_cast<std::uint32_t>(cells)) << axis;
+    }
+    if (is_within) return static_cast<std::uint64_t>(i) << kWayBits | way;
+  }
+  return static_cast<std::uint64_t>(tops_.size()) << kWayBits;
 }
 
 template <class Real>
@@ -106,79 +155,119 @@ bool Octree<Real>::is_full() const {
   return bytes() > most_bytes_;
 }
 
+/// The farther points may be, the larger are roundings, so that each of the largest cells has margins of its own.
 template <class Real>
-typename Octree<Real>::Cell* Octree<Real>::child(Cell& parent, unsigned octant, Pruner<Real>& pruner) {
-  Cell* const known = parent.children[octant].load(std::memory_order_acquire);
-  return known != nullptr ? known : make_child(parent, octant, pruner);
-}
-
-/// Makes a child, or takes the one that another thread has made meanwhile; none where memory has ended.
-template <class Real>
-typename Octree<Real>::Cell* Octree<Real>::make_child(Cell& parent, unsigned octant, Pruner<Real>& pruner) {
-  if (is_full()) return nullptr;
-  std::unique_ptr<Cell> cell = make_apart(parent, octant, pruner);
-  if (cell->part != parent.part) cell->part = shared(std::move(cell->part));
-  Cell* expected = nullptr;
-  if (!parent.children[octant].compare_exchange_strong(expected, cell.get(), std::memory_order_acq_rel))
-    return expected;
-  cells_.fetch_add(1, std::memory_order_relaxed);
-  bytes_.fetch_add(sizeof(Cell), std::memory_order_relaxed);
-  return cell.release();
+const Margin* Octree<Real>::margins(Top& top) {
+  std::call_once(top.is_walked, [&] {
+    top.margins = margins_of(tape_, Place{&top, 0, {}}.region());
+    bytes_.fetch_add(top.margins.size() * sizeof(Margin), std::memory_order_relaxed);
+  });
+  return top.margins.data();
 }
 
 template <class Real>
-std::unique_ptr<typename Octree<Real>::Cell> Octree<Real>::make_apart(const Cell& parent, unsigned octant,
-                                                                      Pruner<Real>& pruner) const {
-  auto cell = std::make_unique<Cell>();
-  cell->region = octant_of(parent.region, parent.middle, octant);
-  set_middle(cell->region, cell->middle);
-  std::optional<TapePart> part = pruner.prune(*parent.part, cell->region);
-  const std::size_t before = parent.part->code.size();
-  const std::size_t after = part ? part->code.size() : before;
-  const bool is_stalled = static_cast<double>(after) > kStall * static_cast<double>(before);
-  const bool is_detail = cell->region.hi[0] - cell->region.lo[0] < focus_size_ * Real(kDetail);
-  cell->is_shorter = !is_stalled;
-  cell->stalled = is_detail && is_stalled ? parent.stalled + 1 : 0;
-  cell->is_leaf = after <= kShort || cell->stalled >= most_stalls(after) || is_small(cell->region);
-  // little less is no less: what costs memory must save work
-  if (part && after > kShared && is_stalled) part.reset();
-  if (part && cell->is_leaf) part->origins = {};
-  cell->part = part ? std::make_shared<const TapePart>(std::move(*part)) : parent.part;
-  return cell;
+std::unique_ptr<Arena> Octree<Real>::lend() {
+  const std::scoped_lock lock(mutex_);
+  if (arenas_.empty()) return std::make_unique<Arena>();
+  std::unique_ptr<Arena> arena = std::move(arenas_.back());
+  arenas_.pop_back();
+  return arena;
 }
 
-/// Equal short parts are one.
 template <class Real>
-std::shared_ptr<const TapePart> Octree<Real>::shared(std::shared_ptr<const TapePart> part) {
-  const std::size_t size = bytes_of(*part);
-  if (part->code.size() > kShared) {
-    bytes_.fetch_add(size, std::memory_order_relaxed);
-    return part;
-  }
-  const std::size_t hash = hash_of(*part);
-  const std::scoped_lock lock(parts_mutex_);
-  const auto [first, last] = parts_.equal_range(hash);
-  for (auto known = first; known != last; ++known) {
-    if (*known->second == *part) return known->second;
-  }
-  bytes_.fetch_add(size, std::memory_order_relaxed);
-  return parts_.emplace(hash, std::move(part))->second;
+void Octree<Real>::give_back(std::unique_ptr<Arena> arena) {
+  const std::scoped_lock lock(mutex_);
+  arenas_.push_back(std::move(arena));
 }
 
 /// Too small to be halved?
 template <class Real>
-bool Octree<Real>::is_small(const Region<Real>& region) const {
+bool Octree<Real>::is_small(const Place& place) const {
+  if (place.level == kLevels) return true;
+  const Region<Real> region = place.region();
   for (unsigned axis = 0; axis < 3; ++axis) {
     const Real largest = std::max(std::fabs(region.lo[axis]), std::fabs(region.hi[axis]));
     if (!(region.hi[axis] - region.lo[axis] > largest * std::numeric_limits<Real>::epsilon() * Real(64))) return true;
   }
-  return !(region.hi[0] - region.lo[0] > focus_size_ * Real(1e-4));
+  return false;
+}
+
+template <class Real>
+CellMaker<Real>::CellMaker(Octree<Real>& octree, Sampler<Real>& sampler)
+    : octree_(octree), pruner_(octree.tape(), &sampler), unpacker_(octree.tape()), arena_(octree.lend()) {}
+
+template <class Real>
+CellMaker<Real>::~CellMaker() {
+  octree_.give_back(std::move(arena_));
+}
+
+/// Where another thread makes the same branch or child meanwhile, that one is taken.
+template <class Real>
+typename Octree<Real>::Cell& CellMaker<Real>::child(Cell& parent, const Place& place, unsigned octant) {
+  if (Cell* const known = parent.child(octant)) return *known;
+  if (octree_.is_full()) return *make(parent, place, passing_);
+  const std::size_t before = arena_->bytes();
+  Branch* branch = parent.branch.load(std::memory_order_acquire);
+  if (branch == nullptr) {
+    auto* const made = arena_->make<Branch>();
+    if (parent.branch.compare_exchange_strong(branch, made, std::memory_order_acq_rel)) branch = made;
+  }
+  Cell* const cell = make(parent, place, *arena_);
+  octree_.bytes_.fetch_add(arena_->bytes() - before, std::memory_order_relaxed);
+  Cell* other = nullptr;
+  if (!branch->children[octant].compare_exchange_strong(other, cell, std::memory_order_acq_rel)) return *other;
+  octree_.cells_.fetch_add(1, std::memory_order_relaxed);
+  return *cell;
+}
+
+template <class Real>
+typename Octree<Real>::Cell* CellMaker<Real>::make(const Cell& parent, const Place& place, Arena& arena) {
+  Cell* const cell = arena.make<Cell>();
+  const Region<Real> region = place.region();
+  const std::optional<TapePart> part = pruner_.prune(unpacker_.ready(parent.part), region, octree_.margins(*place.top));
+  const std::uint32_t before = parent.part.length;
+  const std::uint32_t after = part ? part->length : before;
+  const bool is_stalled = after > kStall * before;
+  const bool is_detail = region.hi[0] - region.lo[0] < octree_.focus_size_ * Real(kDetail);
+  if (is_detail && is_stalled) cell->stalled = static_cast<std::uint8_t>(parent.stalled + 1);
+  cell->is_leaf = after <= kShort || cell->stalled >= most_stalls(after) || octree_.is_small(place);
+  // little less is no less: what costs memory must save work
+  const bool is_kept = part && (after <= kShared || !is_stalled);
+  cell->part = is_kept ? kept(*part, cell->is_leaf, arena) : parent.part;
+  return cell;
+}
+
+/// A part in memory that stays. Equal short parts are one.
+template <class Real>
+TapePart CellMaker<Real>::kept(const TapePart& part, bool is_final, Arena& arena) {
+  if (part.length > kPacked && !is_final) {
+    if (const std::optional<TapePart> packed = packer_.pack(part, arena)) return *packed;
+  }
+  TapePart result = part;
+  if (is_final) result.origins = nullptr;
+  const auto copy = [&] {
+    result.code = arena.copy(part.instructions());
+    result.results = arena.copy(std::span(part.results, part.result_count));
+    if (!is_final) result.origins = arena.copy(std::span(part.origins, part.length));
+  };
+  if (part.length > kShared || &arena == &passing_) {
+    copy();
+    return result;
+  }
+  const std::uint64_t hash = hash_of(part);
+  const std::scoped_lock lock(octree_.mutex_);
+  const TapePart* const known =
+      octree_.parts_.find(hash, [&](const TapePart* other) { return are_equal(*other, result); });
+  if (known != nullptr) return *known;
+  copy();
+  octree_.parts_.insert(hash, arena.make<TapePart>(result));
+  return result;
 }
 
 bool is_worth_an_octree(const Tape& tape, const Aabb& focus) {
   if (tape.code.size() < kLong || !(longest_side(focus) > 0.0)) return false;  // a point has no parts
   Pruner<double> pruner(tape);
-  const TapePart whole = whole_of(tape);
+  const HeldPart whole = whole_of(tape);
   // a few cells on a diagonal stand for all
   constexpr int kProbes = 4;
   constexpr double kSize = 1.0 / 16.0;
@@ -192,19 +281,19 @@ bool is_worth_an_octree(const Tape& tape, const Aabb& focus) {
       cell.lo[axis] = lo[axis] + (hi[axis] - lo[axis]) * (at - 0.5 * kSize);
       cell.hi[axis] = lo[axis] + (hi[axis] - lo[axis]) * (at + 0.5 * kSize);
     }
-    const std::optional<TapePart> part = pruner.prune(whole, cell);
-    left += part ? part->code.size() : tape.code.size();
+    const std::optional<TapePart> part = pruner.prune(whole.view(), cell, nullptr);
+    left += part ? part->length : tape.code.size();
   }
   return static_cast<double>(left) < 0.7 * kProbes * static_cast<double>(tape.code.size());
 }
 
 template <class Real>
-std::shared_ptr<Octree<Real>> Octrees::get(const Tape& tape, const Aabb& focus, double reach) {
+std::shared_ptr<Octree<Real>> Octrees::get(const Tape& tape, const Aabb& focus) {
   const std::scoped_lock lock(mutex_);
   if (!is_worth_it_) is_worth_it_ = is_worth_an_octree(tape, focus);
   if (!*is_worth_it_) return nullptr;
   auto& kept = std::get<std::shared_ptr<Octree<Real>>>(kept_);
-  if (!kept || kept->reach() < reach || kept->is_full()) kept = std::make_shared<Octree<Real>>(tape, focus, reach);
+  if (!kept || kept->is_full()) kept = std::make_shared<Octree<Real>>(tape, focus);
   return kept;
 }
 
@@ -217,9 +306,11 @@ std::size_t Octrees::bytes() {
 
 template std::size_t Octrees::bytes<float>();
 template std::size_t Octrees::bytes<double>();
-template std::shared_ptr<Octree<float>> Octrees::get(const Tape&, const Aabb&, double);
-template std::shared_ptr<Octree<double>> Octrees::get(const Tape&, const Aabb&, double);
+template std::shared_ptr<Octree<float>> Octrees::get(const Tape&, const Aabb&);
+template std::shared_ptr<Octree<double>> Octrees::get(const Tape&, const Aabb&);
 template class Octree<float>;
 template class Octree<double>;
+template class CellMaker<float>;
+template class CellMaker<double>;
 
 }  // namespace octomarch

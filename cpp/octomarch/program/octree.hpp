@@ -12,55 +12,81 @@
 #include <mutex>
 #include <optional>
 #include <tuple>
-#include <unordered_map>
+#include <vector>
 
+#include "octomarch/base/arena.hpp"
+#include "octomarch/base/hash_table.hpp"
+#include "octomarch/program/packed_part.hpp"
 #include "octomarch/program/prune.hpp"
 
 namespace octomarch {
 
 template <class Real>
+class CellMaker;
+
+template <class Real>
 class Octree {
  public:
-  struct Cell {
-    Region<Real> region;
-    Real middle[3];                        ///< where children meet
-    std::shared_ptr<const TapePart> part;  ///< of the tape, that decides in the region
-    unsigned stalled;                      ///< ancestors in a row, and itself, that left much of what they had
-    bool is_leaf;
-    bool is_shorter = true;  ///< did it leave out much of what its parent has?
+  /// Halvings of a largest cell, at the most.
+  static constexpr unsigned kLevels = 13;
+
+  struct Branch;
+  /// One cache line: whoever passes by looks at all of it.
+  struct alignas(Arena::kAlignment) Cell {
+    TapePart part;                         ///< of the tape, that decides in the cell's region
+    std::atomic<Branch*> branch{nullptr};  ///< its children
+    /// What runs of the part have cost so far that would have been cheaper in children, had there been any; see CellGroups.
+    std::atomic<float> regret{0.0F};
+    std::uint8_t stalled = 0;  ///< ancestors in a row, and itself, that left much of what they had
+    bool is_leaf = false;
+
+    /// A child, if it has been made. `octant`: bit 0 is set for the upper half along x, bit 1 along y, bit 2 along z.
+    Cell* child(unsigned octant) const;
+  };
+  struct alignas(Arena::kAlignment) Branch {
     std::array<std::atomic<Cell*>, 8> children{};
-
-    /// Which child holds a point.
-    unsigned octant_of(Real x, Real y, Real z) const {
-      return static_cast<unsigned>(x >= middle[0]) | static_cast<unsigned>(y >= middle[1]) << 1U |
-             static_cast<unsigned>(z >= middle[2]) << 2U;
-    }
-
-    ~Cell() {
-      for (auto& child : children) delete child.load(std::memory_order_relaxed);
-    }
   };
 
-  /// `focus`: where most of the shape is, in which it is subdivided until that no longer helps; `reach`: how far from its middle
-  /// points will be. `tape` must outlive this.
-  /// `most_bytes`: memory at which no more cells are made.
-  Octree(const Tape& tape, const Aabb& focus, double reach, std::size_t most_bytes);
-  Octree(const Tape& tape, const Aabb& focus, double reach);
+  /// One of the largest cells, a cube: points that it holds and those before it do not are looked for below it.
+  struct Top {
+    Real lo[3];
+    Real size;  ///< of its smallest cells
+    Real room;  ///< by which regions are larger than cells, since places of points are rounded
+    Cell cell;
+    std::once_flag is_walked;
+    std::vector<Margin> margins;  ///< of the tape, where it is run at points of the cell; made when first asked for
+  };
+
+  /// Where a cell is.
+  struct Place {
+    Top* top;
+    unsigned level = 0;                     ///< halvings
+    std::array<std::uint32_t, 3> corner{};  ///< lower, in smallest cells
+
+    Place child(unsigned octant) const;
+    /// Holds all points that are found there, and a little more.
+    Region<Real> region() const;
+  };
+
+  /// `focus`: where most of the shape is, in which it is subdivided until that no longer helps. `most_bytes`: memory at which no
+  /// more cells are made. `tape` must outlive this.
+  Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes);
+  Octree(const Tape& tape, const Aabb& focus);
   Octree(const Octree&) = delete;
 
   const Tape& tape() const { return tape_; }
-  double reach() const { return reach_; }
-  /// For a pruner of its cells' parts.
-  const std::vector<Margin>& margins() const { return margins_; }
-  /// The largest cells: one about the focus, and one about all that is in reach, for points that are not in the first.
-  std::array<Cell, 2>& tops() { return tops_; }
-  /// The cell of all other points, which is a leaf with the whole tape.
+
+  /// The largest cells, each about the one before.
+  std::vector<Top>& tops() { return tops_; }
+  /// The cell of points in none of them, which is a leaf with the whole tape.
   const Cell& outside() const { return outside_; }
-  /// A child of a cell that is no leaf, made now if need be; null where memory has ended. Safe from any thread, `pruner` being
-  /// the thread's own. O(part) where it is made, else O(1).
-  Cell* child(Cell& parent, unsigned octant, Pruner<Real>& pruner);
-  /// A child that is the caller's own, and no part of the octree.
-  std::unique_ptr<Cell> make_apart(const Cell& parent, unsigned octant, Pruner<Real>& pruner) const;
+  /// The way to a point's smallest cell: which of the tops, tops().size() standing for none, and below, for each level, three bits
+  /// that say which octant. The numbers of points in one cell follow each other. O(tops).
+  std::uint64_t way_to(Real x, Real y, Real z) const;
+  static constexpr unsigned kWayBits = 3 * kLevels;
+  static constexpr unsigned octant_of(std::uint64_t way, unsigned level) {
+    return static_cast<unsigned>(way >> (3 * (kLevels - 1 - level))) & 7U;
+  }
 
   /// Has memory ended?
   bool is_full() const;
@@ -69,21 +95,56 @@ class Octree {
   std::size_t bytes() const { return bytes_.load(std::memory_order_relaxed); }
 
  private:
-  Cell* make_child(Cell& parent, unsigned octant, Pruner<Real>& pruner);
-  std::shared_ptr<const TapePart> shared(std::shared_ptr<const TapePart> part);
-  bool is_small(const Region<Real>& region) const;
+  friend class CellMaker<Real>;
+
+  /// Memory for what one thread makes at a time.
+  std::unique_ptr<Arena> lend();
+  void give_back(std::unique_ptr<Arena> arena);
+  bool is_small(const Place& place) const;
+  const Margin* margins(Top& top);
 
   const Tape& tape_;
   Real focus_size_;
-  double reach_;
   std::size_t most_bytes_;
-  std::vector<Margin> margins_;
+  HeldPart whole_;
   std::atomic<std::size_t> cells_{0};
   std::atomic<std::size_t> bytes_{0};
-  std::mutex parts_mutex_;
-  std::unordered_multimap<std::size_t, std::shared_ptr<const TapePart>> parts_;  ///< the short ones, by their hash
+  std::mutex mutex_;                            ///< of the next two
+  HashTable<const TapePart*> parts_;            ///< the short ones
+  std::vector<std::unique_ptr<Arena>> arenas_;  ///< that nobody has at the moment
   Cell outside_;
-  std::array<Cell, 2> tops_;
+  std::vector<Top> tops_;
+};
+
+/// Makes cells of an octree; one for each thread.
+template <class Real>
+class CellMaker {
+ public:
+  using Cell = typename Octree<Real>::Cell;
+  using Place = typename Octree<Real>::Place;
+
+  /// Both must outlive this.
+  CellMaker(Octree<Real>& octree, Sampler<Real>& sampler);
+  CellMaker(const CellMaker&) = delete;
+  ~CellMaker();
+
+  /// A child of a cell that is no leaf, made now if need be. `place`: the child's. Where memory has ended it is no part of the
+  /// octree, and gone with the next call of forget_passing(). O(part) where it is made, else O(1).
+  Cell& child(Cell& parent, const Place& place, unsigned octant);
+  void forget_passing() { passing_.clear(); }
+
+ private:
+  using Branch = typename Octree<Real>::Branch;
+
+  Cell* make(const Cell& parent, const Place& place, Arena& arena);
+  TapePart kept(const TapePart& part, bool is_final, Arena& arena);
+
+  Octree<Real>& octree_;
+  Pruner<Real> pruner_;
+  Packer packer_;
+  Unpacker unpacker_;
+  std::unique_ptr<Arena> arena_;
+  Arena passing_;
 };
 
 /// Is a tape long enough, and does enough of it go away in small cells, for an octree to be worth its cost? O(tape).
@@ -92,10 +153,10 @@ bool is_worth_an_octree(const Tape& tape, const Aabb& focus);
 /// The octrees of one tape, kept from picture to picture. Safe from any thread.
 class Octrees {
  public:
-  /// An octree about the focus that reaches at least so far from its middle; null where the tape is too short for one to be
-  /// worth its cost, or too little of it goes away in small cells. One that reached less, or is full, is given up.
+  /// An octree about the focus; null where the tape is too short for one to be worth its cost, or too little of it goes away in
+  /// small cells. One that is full is given up.
   template <class Real>
-  std::shared_ptr<Octree<Real>> get(const Tape& tape, const Aabb& focus, double reach);
+  std::shared_ptr<Octree<Real>> get(const Tape& tape, const Aabb& focus);
   /// Memory of the one that is kept.
   template <class Real>
   std::size_t bytes();

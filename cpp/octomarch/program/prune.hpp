@@ -18,21 +18,9 @@
 #include "octomarch/program/program.hpp"
 #include "octomarch/program/range.hpp"
 #include "octomarch/program/region.hpp"
+#include "octomarch/program/tape_part.hpp"
 
 namespace octomarch {
-
-/// Instructions and registers of a part of a tape; constants, images and inputs are the tape's.
-struct TapePart {
-  std::vector<Instruction> code;
-  std::vector<std::uint32_t> origins;  ///< where each instruction stands in the tape; empty in parts that are final
-  std::vector<std::uint16_t> results;
-  std::uint32_t registers = 0;
-
-  friend bool operator==(const TapePart&, const TapePart&) = default;
-};
-
-/// All of a tape.
-TapePart whole_of(const Tape& tape);
 
 /// The points at which a region is sampled: the middles of its parts, kSamplesAcross along each axis.
 inline constexpr std::size_t kSamplesAcross = 4;
@@ -42,6 +30,7 @@ struct SamplePoints {
   alignas(64) Real x[kSamples];
   alignas(64) Real y[kSamples];
   alignas(64) Real z[kSamples];
+  double radius;  ///< of balls about the points that hold all of the region
 };
 
 /// Runs parts of tapes at samples. program/ has no kernels: whoever prunes brings this along. One for each thread.
@@ -49,29 +38,46 @@ template <class Real>
 class Sampler {
  public:
   virtual ~Sampler() = default;
-  /// Where each instruction of `part` takes which operand, as far as these differ by more than its gap. Nothing is written of
-  /// those whose gap is infinite.
-  virtual void compare(const TapePart& part, const SamplePoints<Real>& points, const Real* gaps, TakenAt* taken) = 0;
+  /// Where each instruction of `part` takes which operand all over the balls about the points. `margins`: of the tape.
+  virtual void compare(const TapePart& part, const SamplePoints<Real>& points, const Margin* margins,
+                       TakenAt* taken) = 0;
 };
 
-/// Which of two operands an operator takes, if that is known.
-enum class Taken : std::uint8_t { kUnknown, kFirst, kSecond };
+/// Registers in use, each by how many names. The lowest that is free is taken first.
+class RegisterNames {
+ public:
+  void clear() {
+    free_.clear();
+    names_.clear();
+  }
+  /// A register, by one name.
+  std::uint16_t take();
+  void name_again(std::uint16_t taken) { ++names_[taken]; }
+  void drop_name(std::uint16_t taken) {
+    if (--names_[taken] == 0) free_[taken / kBits] |= std::uint64_t{1} << taken % kBits;
+  }
+  /// Registers that were ever in use.
+  std::uint32_t most() const { return static_cast<std::uint32_t>(names_.size()); }
+
+ private:
+  static constexpr std::size_t kBits = 64;
+  std::vector<std::uint64_t> free_;
+  std::vector<std::uint32_t> names_;
+};
 
 /// Prunes parts of one tape; keeps its memory from call to call. One for each thread.
 template <class Real>
 class Pruner {
  public:
-  /// Decides by ranges alone. `tape` must outlive this.
-  explicit Pruner(const Tape& tape);
-  /// Decides by samples too. `margins`: of the tape; all must outlive this.
-  Pruner(const Tape& tape, const std::vector<Margin>& margins, Sampler<Real>& sampler);
+  /// `sampler`: null to decide by ranges alone. Both must outlive this.
+  explicit Pruner(const Tape& tape, Sampler<Real>* sampler = nullptr);
 
-  /// What is left of a part in a region, which must lie in the part's own; nothing if that is all of it. O(part).
-  std::optional<TapePart> prune(const TapePart& part, const Region<Real>& region);
+  /// What is left of a part in a region, which must lie in the part's own; nothing if that is all of it. It is there until the
+  /// next call, and the part must be somewhere else. `margins`: of the tape, where it is run at points of the region; not read
+  /// without a sampler. O(part).
+  std::optional<TapePart> prune(const TapePart& part, const Region<Real>& region, const Margin* margins);
 
  private:
-  using Value = std::uint32_t;  ///< inputs first, then kMaxOutputs for each instruction
-
   /// At which samples a value matters. Where it does not, it may be off, but only to one side: what takes the smaller of two
   /// operands does not care if the other is larger than it should be.
   struct Need {
@@ -80,46 +86,52 @@ class Pruner {
     bool may_be_smaller = true;
   };
 
-  struct Choice {
-    bool is_made = false;
-    bool is_negated = false;   ///< the complement of the operand
-    bool is_constant = false;  ///< the instruction's first constant
-    std::size_t operand = 0;
+  /// What an instruction turns out to be: itself, one of its operands, the complement of one, or its first constant.
+  enum class Choice : std::uint8_t {
+    kItself,
+    kFirst,
+    kSecond,
+    kThird,
+    kFourth,
+    kComplementOfFirst,
+    kComplementOfSecond,
+    kConstant,
   };
 
-  /// Fills taken_ and choices_; returns whether there is something that only ranges may tell.
-  bool sample(const TapePart& part, const Region<Real>& region);
-  bool set_gaps(const TapePart& part, const Region<Real>& region);
-  void decide(const TapePart& part);
+  /// Of an instruction, as bits: its inputs that nobody reads later, and its outputs that anybody reads.
+  struct Uses {
+    std::uint8_t last = 0;
+    std::uint8_t read = 0;
+  };
+
+  // samples, in prune_samples.cpp:
+  void sample(const TapePart& part, const Region<Real>& region);
   void require_operands(const Instruction& instruction, std::size_t index, const Need& need);
-  void load(const Region<Real>& region);
-  template <bool kByRanges>
-  void run(const Instruction& instruction, std::size_t index);
-  static Choice among(Opcode op, Taken taken);
+
+  bool wants_ranges(const TapePart& part) const;
+  void choose_by_ranges(const TapePart& part, const Region<Real>& region);
   Choice choose(const Instruction& instruction, const Range<Real>* in) const;
-  void mark(const TapePart& part);
-  TapePart emit(const TapePart& part);
-  Value output(std::size_t index, std::size_t i) const {
-    return static_cast<Value>(tape_.inputs + index * kMaxOutputs + i);
-  }
+  static Choice operand_of(Opcode op, bool is_second);
+  static std::uint8_t inputs_read(Opcode op, Choice choice);
+  static bool is_operand(Choice choice) { return choice >= Choice::kFirst && choice <= Choice::kFourth; }
+  static std::size_t operand(Choice choice);
+  void find_uses(const TapePart& part);
+  void emit(const TapePart& part);
 
   const Tape& tape_;
-  const std::vector<Margin>* margins_ = nullptr;
-  Sampler<Real>* sampler_ = nullptr;
+  Sampler<Real>* const sampler_;
+  const Margin* margins_ = nullptr;  ///< while it prunes
   const Real* constants_;
   SamplePoints<Real> points_;
-  std::vector<Real> gaps_;
-  std::vector<TakenAt> taken_;
-  std::vector<Need> needs_;        ///< by value
-  std::vector<Taken> decisions_;   ///< by samples, of each instruction
-  std::vector<Instruction> code_;  ///< as it will be, but for its registers
-  std::vector<std::array<Value, kMaxInputs>> inputs_;
-  std::vector<char> is_needed_;
-  std::vector<Range<Real>> ranges_;       ///< by value
-  std::vector<Value> in_register_;        ///< by register
-  std::vector<std::uint32_t> last_use_;   ///< by value
-  std::vector<std::uint16_t> registers_;  ///< by value
-  std::size_t dropped_ = 0;
+  std::vector<TakenAt> taken_;  ///< by instruction, as the next two
+  std::vector<Choice> choices_;
+  std::vector<Uses> uses_;
+  std::vector<Need> needs_;          ///< by register, going backward
+  std::vector<char> is_read_;        ///< likewise
+  std::vector<Range<Real>> ranges_;  ///< by register, going forward
+  RegisterNames registers_;
+  std::vector<std::uint16_t> register_of_;  ///< which one takes the place of each; likewise
+  HeldPart left_;
 };
 
 }  // namespace octomarch

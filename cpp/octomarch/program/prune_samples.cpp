@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "octomarch/program/prune.hpp"
 
@@ -11,23 +12,9 @@ namespace {
 
 constexpr std::uint64_t kEverywhere = ~std::uint64_t{0};
 
-/// Can something else than the order of two distances drop an instruction?
-constexpr bool is_decided_by_ranges(Opcode op) {
-  switch (op) {
-    case Opcode::kWhere:
-    case Opcode::kMinimumConstant:
-    case Opcode::kMaximumConstant:
-    case Opcode::kAbsolute:
-    case Opcode::kClamp: return true;
-    default: return false;
-  }
-}
-
-}  // namespace
-
-/// Sets the points at which a region is sampled, and by how much the operands of each instruction must differ there.
+/// Sets the points at which a region is sampled.
 template <class Real>
-bool Pruner<Real>::set_gaps(const TapePart& part, const Region<Real>& region) {
+void set_points(const Region<Real>& region, SamplePoints<Real>& points) {
   constexpr auto kAcross = static_cast<Real>(kSamplesAcross);
   Real middles[3][kSamplesAcross];
   double half_diagonal = 0.0;
@@ -42,58 +29,39 @@ bool Pruner<Real>::set_gaps(const TapePart& part, const Region<Real>& region) {
         {farthest, std::fabs(static_cast<double>(region.lo[axis])), std::fabs(static_cast<double>(region.hi[axis]))});
   }
   for (std::size_t i = 0; i < kSamples; ++i) {
-    points_.x[i] = middles[0][i % kSamplesAcross];
-    points_.y[i] = middles[1][i / kSamplesAcross % kSamplesAcross];
-    points_.z[i] = middles[2][i / (kSamplesAcross * kSamplesAcross)];
+    points.x[i] = middles[0][i % kSamplesAcross];
+    points.y[i] = middles[1][i / kSamplesAcross % kSamplesAcross];
+    points.z[i] = middles[2][i / (kSamplesAcross * kSamplesAcross)];
   }
   // middles are rounded
-  const double radius = std::sqrt(half_diagonal) * (0.5 / static_cast<double>(kAcross)) * (1.0 + 1e-6) +
-                        8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * farthest;
-  gaps_.resize(part.code.size());
-  bool wants_ranges = false;
-  for (std::size_t i = 0; i < part.code.size(); ++i) {
-    const Margin& margin = (*margins_)[part.origins[i]];
-    const auto gap = static_cast<Real>(static_cast<double>(margin.slope) * radius + static_cast<double>(margin.room));
-    const Opcode op = part.code[i].op;
-    const bool is_known = chooses_operand(op) && gap < std::numeric_limits<Real>::infinity();
-    wants_ranges = wants_ranges || (!is_known && (chooses_operand(op) || is_decided_by_ranges(op)));
-    gaps_[i] = is_known ? gap : std::numeric_limits<Real>::infinity();
-  }
-  return wants_ranges;
+  points.radius = std::sqrt(half_diagonal) * (0.5 / static_cast<double>(kAcross)) * (1.0 + 1e-6) +
+                  8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * farthest;
 }
 
-template <class Real>
-bool Pruner<Real>::sample(const TapePart& part, const Region<Real>& region) {
-  const bool wants_ranges = set_gaps(part, region);
-  taken_.assign(part.code.size(), {});
-  sampler_->compare(part, points_, gaps_.data(), taken_.data());
-  decide(part);
-  return wants_ranges;
-}
+}  // namespace
 
 /// Finds where values matter, from the results back, and so which operands are taken wherever that matters.
 template <class Real>
-void Pruner<Real>::decide(const TapePart& part) {
-  const auto wire = [&](const Instruction& instruction, std::size_t index) {
-    const OpcodeInfo& shape = info(instruction.op);
-    for (std::size_t k = 0; k < shape.inputs; ++k) inputs_[index][k] = in_register_[instruction.in[k]];
-    for (std::size_t k = 0; k < shape.outputs; ++k) in_register_[instruction.out[k]] = output(index, k);
-  };
-  for (std::size_t i = 0; i < part.code.size(); ++i) wire(part.code[i], i);
-  needs_.assign(tape_.inputs + part.code.size() * kMaxOutputs, {});
-  decisions_.assign(part.code.size(), Taken::kUnknown);
-  for (const std::uint16_t result : part.results) needs_[in_register_[result]] = {kEverywhere, false, false};
-  for (std::size_t i = part.code.size(); i-- > 0;) {
-    Need need = needs_[output(i, 0)];
-    for (std::size_t k = 1; k < info(part.code[i].op).outputs; ++k) need.where |= needs_[output(i, k)].where;
-    if (need.where != 0) require_operands(part.code[i], i, need);
+void Pruner<Real>::sample(const TapePart& part, const Region<Real>& region) {
+  set_points(region, points_);
+  taken_.resize(part.length);
+  sampler_->compare(part, points_, margins_, taken_.data());
+  needs_.assign(part.registers, {});
+  for (std::size_t i = 0; i < part.result_count; ++i) needs_[part.results[i]] = {kEverywhere, false, false};
+  for (std::size_t i = part.length; i-- > 0;) {
+    const Instruction& instruction = part.code[i];
+    Need need = std::exchange(needs_[instruction.out[0]], {});
+    for (std::size_t k = 1; k < info(instruction.op).outputs; ++k) {
+      need.where |= std::exchange(needs_[instruction.out[k]], {}).where;
+    }
+    if (need.where != 0) require_operands(instruction, i, need);
   }
 }
 
 /// Where an instruction that matters as `need` says makes its operands matter.
 template <class Real>
 void Pruner<Real>::require_operands(const Instruction& instruction, std::size_t index, const Need& need) {
-  const std::array<Value, kMaxInputs>& in = inputs_[index];
+  const std::array<std::uint16_t, kMaxInputs>& in = instruction.in;
   const Opcode op = instruction.op;
   if (!chooses_operand(op)) {
     for (std::size_t k = 0; k < info(op).inputs; ++k) needs_[in[k]] = {kEverywhere, false, false};
@@ -105,9 +73,8 @@ void Pruner<Real>::require_operands(const Instruction& instruction, std::size_t 
   const TakenAt& taken = taken_[index];
   const std::uint64_t first = where & ~taken.second;
   const std::uint64_t second = where & ~taken.first;
-  if (second == 0) decisions_[index] = Taken::kFirst;
-  else if (first == 0) decisions_[index] = Taken::kSecond;
-  const auto require = [&](Value operand, std::uint64_t there, bool may_be_larger, bool may_be_smaller) {
+  if (second == 0 || first == 0) choices_[index] = operand_of(op, first == 0);
+  const auto require = [&](std::uint16_t operand, std::uint64_t there, bool may_be_larger, bool may_be_smaller) {
     if (there == 0) return;
     Need& other = needs_[operand];
     other.where |= there;
@@ -117,7 +84,7 @@ void Pruner<Real>::require_operands(const Instruction& instruction, std::size_t 
   if (chooses_attribute(op)) {
     require(in[2], first, false, false);
     require(in[3], second, false, false);
-    if (decisions_[index] != Taken::kUnknown) return;
+    if (first == 0 || second == 0) return;
   }
   const bool is_larger_taken = takes_larger(op);
   require(in[0], first, !is_larger_taken, is_larger_taken);
@@ -125,7 +92,7 @@ void Pruner<Real>::require_operands(const Instruction& instruction, std::size_t 
   require(in[1], second, !is_negative_larger_taken, is_negative_larger_taken);
 }
 
-template bool Pruner<float>::sample(const TapePart&, const Region<float>&);
-template bool Pruner<double>::sample(const TapePart&, const Region<double>&);
+template void Pruner<float>::sample(const TapePart&, const Region<float>&);
+template void Pruner<double>::sample(const TapePart&, const Region<double>&);
 
 }  // namespace octomarch

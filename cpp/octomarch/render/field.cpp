@@ -22,25 +22,24 @@ void counted(const kernels::TapeView<Real>& tape, kernels::Counters& counters, R
 /// How many steps a ray makes in a cell, about.
 constexpr double kStepsInCell = 3.0;
 
-/// An octree about all that is at most `reach` away from a point, or null.
+/// An octree of a program's distance, or null.
 template <class Real>
-std::shared_ptr<Octree<Real>> octree_for(const Program& program, const March& march, const Vec3& from, double reach) {
+std::shared_ptr<Octree<Real>> octree_for(const Program& program, const March& march) {
   const std::optional<Aabb>& focus = program.focus();
   if (!march.prune || is_fixed(march.method) || program.is_solid() || !focus) return nullptr;
-  const Aabb box = counted_from(program.site().anchor, *focus);
-  return program.octrees().distance.get<Real>(program.distance(), box, reach + length(from - (box.lo + box.hi) * 0.5));
+  return program.octrees().distance.get<Real>(program.distance(), counted_from(program.site().anchor, *focus));
 }
 
 }  // namespace
 
 template <class Real>
-SharedField<Real> share_field(const Program& program, const March& march, bool many, const Vec3& from, double reach) {
-  SharedField<Real> shared{&program, many ? octree_for<Real>(program, march, from, reach) : nullptr, nullptr, nullptr,
+SharedField<Real> share_field(const Program& program, const March& march, bool many) {
+  SharedField<Real> shared{&program, many ? octree_for<Real>(program, march) : nullptr, nullptr, nullptr,
                            march.method == Method::kAuto};
   if (!shared.clips_to_bounds || march.bias != 0.0 || program.is_solid()) return shared;
   shared.split = program.planes_and_rest();
   if (shared.split == nullptr || !shared.split->rest) return shared;
-  if (many) shared.rest_octree = octree_for<Real>(*shared.split->rest, march, from, reach);
+  if (many) shared.rest_octree = octree_for<Real>(*shared.split->rest, march);
   return shared;
 }
 
@@ -70,7 +69,7 @@ Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<R
 template <class Real>
 std::shared_ptr<Octree<Real>> Field<Real>::octree_of(const Tape& tape, Octrees& octrees) const {
   if (octree_ == nullptr) return nullptr;
-  return octrees.get<Real>(tape, counted_from(program_.site().anchor, *program_.focus()), octree_->reach());
+  return octrees.get<Real>(tape, counted_from(program_.site().anchor, *program_.focus()));
 }
 
 template <class Real>
@@ -97,7 +96,7 @@ void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std
   });
   for (const CellGroup<Real>& group : groups_->groups()) {
     if (is_set(cancelled)) return;
-    f(tape.view(*group.cell->part), group);
+    f(tape.view(groups_->part(group)), group);
   }
 }
 
@@ -202,8 +201,8 @@ void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters,
                        s.boldness.data() + first,
                        s.pause.data() + first,
                        steps};
-      run(tape_.view(*group.cell->part), tape_.memory(), sorted_rays.from(first, group.count), left,
-          &group.cell->region, part);
+      run(tape_.view(groups_->part(group)), tape_.memory(), sorted_rays.from(first, group.count), left, &group.region,
+          part);
     }
     take_back(parameters.max_steps, state);
   }
@@ -313,8 +312,8 @@ void Field<Real>::cast_limited_shadows(const Rays& rays, const Parameters& param
   kernels_.visibility(rays, parameters, state, visibility);
 }
 
-template SharedField<float> share_field(const Program&, const March&, bool, const Vec3&, double);
-template SharedField<double> share_field(const Program&, const March&, bool, const Vec3&, double);
+template SharedField<float> share_field(const Program&, const March&, bool);
+template SharedField<double> share_field(const Program&, const March&, bool);
 template class Field<float>;
 template class Field<double>;
 

@@ -24,10 +24,10 @@ struct SharedField {
   bool clips_to_bounds = false;  ///< are rays only marched within them?
 };
 
-/// `many`: is there enough to do for an octree about all that is at most `reach` away from a point (counted from the program's
-/// anchor)? It is made where it is worth its cost, and not for fixed steps, which take solids without distances.
+/// `many`: is there enough to do for an octree? It is made where it is worth its cost, and not for fixed steps, which take solids
+/// without distances.
 template <class Real>
-SharedField<Real> share_field(const Program& program, const March& march, bool many, const Vec3& from, double reach);
+SharedField<Real> share_field(const Program& program, const March& march, bool many);
 
 template <class Real>
 class Field {
@@ -38,7 +38,7 @@ class Field {
   Field(const Field&) = delete;
 
   const Program& program() const { return program_; }
-  /// An octree of another tape of the program, that reaches as far as the field's; null where that has none.
+  /// An octree of another tape of the program; null where the field has none.
   std::shared_ptr<Octree<Real>> octree_of(const Tape& tape, Octrees& octrees) const;
 
   /// Distances at points; NaN at NaN points. Counts all of `stage` but how many evaluations those were that matter.

@@ -31,7 +31,7 @@ class LoadedTape {
   }
   /// A part of the tape, which needs no more memory than the whole.
   kernels::TapeView<Real> view(const TapePart& part) const {
-    return {part.code.data(), part.code.size(), constants(), part.registers, part.results.front(), images_.data()};
+    return {part.code, part.length, constants(), part.registers, part.result, images_.data()};
   }
   Real* memory() { return memory_.data(); }
 
@@ -66,8 +66,9 @@ class KernelSampler final : public Sampler<Real> {
   /// Both must outlive this.
   KernelSampler(LoadedTape<Real>& tape, const kernels::KernelTable<Real>& kernels) : tape_(tape), kernels_(kernels) {}
 
-  void compare(const TapePart& part, const SamplePoints<Real>& points, const Real* gaps, TakenAt* taken) override {
-    kernels_.compare(tape_.view(part), tape_.memory(), {points.x, points.y, points.z}, gaps, taken);
+  void compare(const TapePart& part, const SamplePoints<Real>& points, const Margin* margins, TakenAt* taken) override {
+    kernels_.compare(tape_.view(part), tape_.memory(), {points.x, points.y, points.z}, points.radius, part.origins,
+                     margins, taken);
   }
 
  private:

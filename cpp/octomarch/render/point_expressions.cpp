@@ -42,13 +42,13 @@ void PointExpressions<Real>::run_by_cells(const kernels::Vectors<const Real>& po
   std::vector<Real*> outs(rows_.size());
   for (const CellGroup<Real>& group : groups_->groups()) {
     if (is_set(cancelled)) return;
-    const TapePart& part = *group.cell->part;
+    const TapePart part = groups_->part(group);
     for (std::size_t k = 0; k < outs.size(); ++k) outs[k] = values_[k].data() + group.first;
     const kernels::Vectors<const Real> across = normals_.from(group.first);
     const kernels::Vectors<const Real>* const read = code_.inputs == 6 ? &across : nullptr;
     count_run(tape_.view(part), group.count, 1, stage.work);
     kernels_.expressions(tape_.view(part), tape_.memory(), points_.from(group.first), read, group.count, &cancelled,
-                         part.results.data(), outs.size(), outs.data());
+                         part.results, outs.size(), outs.data());
   }
   for (std::size_t k = 0; k < rows_.size(); ++k) {
     groups_->for_each_place([&](std::size_t i, std::size_t place) { rows_[k][i] = values_[k][place]; });

@@ -53,26 +53,11 @@ March no_march() {
   return march;
 }
 
-/// The field at points, or along rays from them that go on for `reach`. Few are not worth an octree.
+/// The field at so many points, or along rays from them. Few are not worth an octree.
 template <class Real>
-SharedField<Real> field_of(const Program& program, const double* points, std::size_t count, const Listener& listener,
-                           const March& march = no_march(), double reach = 0.0) {
+SharedField<Real> field_of(const Program& program, std::size_t count, const March& march = no_march()) {
   constexpr std::size_t kMany = 4096;
-  if (count < kMany || program.distance().code.size() > 64 * count) {
-    return share_field<Real>(program, march, false, {}, 0.0);
-  }
-  const Vec3& anchor = program.site().anchor;
-  const double origin[3] = {anchor.x, anchor.y, anchor.z};
-  constexpr std::size_t kBetweenPolls = std::size_t{1} << 18;
-  double farthest = 0.0;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (i % kBetweenPolls == 0 && listener.poll) listener.poll();
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const double at = points[3 * i + axis];
-      if (std::isfinite(at)) farthest = std::max(farthest, std::fabs(at - origin[axis]));
-    }
-  }
-  return share_field<Real>(program, march, true, {}, 2.0 * farthest + reach);
+  return share_field<Real>(program, march, count >= kMany && program.distance().code.size() <= 64 * count);
 }
 
 Vec3 triple(const double* values, std::size_t i) { return {values[3 * i], values[3 * i + 1], values[3 * i + 2]}; }
@@ -197,7 +182,7 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
 
 template <class Real>
 void query_distance(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
-  const SharedField<Real> shared = field_of<Real>(program, points, count, how.listener);
+  const SharedField<Real> shared = field_of<Real>(program, count);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(program, count, 1, how,
                  [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
@@ -210,7 +195,7 @@ void query_distance(const Program& program, const double* points, std::size_t co
 
 template <class Real>
 void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
-  const SharedField<Real> shared = field_of<Real>(program, points, count, how.listener);
+  const SharedField<Real> shared = field_of<Real>(program, count);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
@@ -230,7 +215,7 @@ void query_gradient(const Program& program, const double* points, std::size_t co
 template <class Real>
 void query_material(const Program& program, const double* points, const double* normals, std::size_t count, Real* out,
                     const Execution& how) {
-  const SharedField<Real> shared = field_of<Real>(program, points, count, how.listener);
+  const SharedField<Real> shared = field_of<Real>(program, count);
   std::vector<std::optional<MaterialScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
       program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
@@ -253,7 +238,7 @@ template <class Real>
 void query_rays(const Program& program, const double* origins, const double* directions, std::size_t count,
                 const March& march, const Shading& shading, double t_max, const Hits<Real>& out, const Execution& how) {
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
-  const SharedField<Real> shared = field_of<Real>(program, origins, count, how.listener, march, march.max_distance);
+  const SharedField<Real> shared = field_of<Real>(program, count, march);
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(program, count, static_cast<std::size_t>(march.max_steps), how,
                  [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {

@@ -48,8 +48,7 @@ RenderStats render(const Picture& whole, const Planes<Real>& planes, const kerne
   const TileGrid grid(picture);
   const Expressions sky = planes.color ? compile_expressions(picture.scene->sky.color) : Expressions{};
   // mirror and shadow rays go as far from what camera rays have met
-  const SharedField<Real> field =
-      share_field<Real>(*picture.program, picture.march, true, picture.camera.eye, 2.0 * picture.march.max_distance);
+  const SharedField<Real> field = share_field<Real>(*picture.program, picture.march, true);
   const unsigned workers = thread_count(threads);
   std::vector<std::unique_ptr<TileRenderer<Real>>> renderers(std::min<std::size_t>(workers, grid.count()));
   parallel_for(

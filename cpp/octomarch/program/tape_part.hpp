@@ -1,0 +1,50 @@
+// Parts of a tape: instructions that are left where others do not matter. prune.hpp makes them, the octree keeps them, kernels run
+// them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octomarch/program/program.hpp"
+
+namespace octomarch {
+
+/// Instructions and registers of a part of a tape, which somebody else holds; constants, images and inputs are the tape's.
+struct TapePart {
+  const Instruction* code = nullptr;       ///< where `patterns` is not null: as many as there are patterns
+  const std::uint8_t* patterns = nullptr;  ///< of each instruction, in parts that are packed; see packed_part.hpp
+  const std::uint32_t* origins = nullptr;  ///< where each instruction stands in the tape; null in parts that are final
+  const std::uint16_t* results = nullptr;
+  std::uint32_t length = 0;
+  std::uint16_t result_count = 0;
+  std::uint16_t result = 0;  ///< the first of them
+  std::uint32_t registers = 0;
+
+  std::span<const Instruction> instructions() const { return {code, length}; }
+};
+
+/// A part and its memory.
+struct HeldPart {
+  std::vector<Instruction> code;
+  std::vector<std::uint32_t> origins;
+  std::vector<std::uint16_t> results;
+  std::uint32_t registers = 0;
+
+  /// As long as this is neither changed nor gone.
+  TapePart view() const {
+    return {code.data(),
+            nullptr,
+            origins.data(),
+            results.data(),
+            static_cast<std::uint32_t>(code.size()),
+            static_cast<std::uint16_t>(results.size()),
+            results.front(),
+            registers};
+  }
+};
+
+/// All of a tape.
+HeldPart whole_of(const Tape& tape);
+
+}  // namespace octomarch
