@@ -1,6 +1,9 @@
 // program/octree.hpp: cells and their parts, whoever makes them, and which tapes are worth them.
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "parts.hpp"
@@ -30,6 +33,88 @@ TEST_CASE_TEMPLATE("an octree finds the same part in every thread's pruner", Rea
   }
   CHECK(octree.cells() > 2);
   CHECK(octree.bytes() > 0);
+}
+
+TEST_CASE_TEMPLATE("a point lies in the regions of all cells on its way", Real, float, double) {
+  Random random(8);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
+  const auto program = compile(row_of_balls(40, 0.25));
+  for (const double offset : {0.0, 1000.0}) {
+    const Vec3 moved{offset, -offset, 3.0 * offset};
+    const Aabb focus{program->focus()->lo + moved, program->focus()->hi + moved};
+    Octree<Real> octree(program->distance(), focus);
+    const double size = focus.hi.x - focus.lo.x;
+    for (int i = 0; i < 2000; ++i) {
+      const double reach = size * std::exp2(uniform(random, -12.0, 60.0));
+      const Vec3 middle = (focus.lo + focus.hi) * 0.5;
+      const auto near = [&](double at) { return static_cast<Real>(at + uniform(random, -reach, reach)); };
+      const std::array<Real, 3> p{near(middle.x), near(middle.y), near(middle.z)};
+      const std::uint64_t way = octree.way_to(p[0], p[1], p[2]);
+      const std::size_t top = way >> Octree<Real>::kWayBits;
+      if (top == octree.tops().size()) {
+        CHECK(reach > 1e12 * size);
+        continue;
+      }
+      typename Octree<Real>::Place place{&octree.tops()[top], 0, {}};
+      CHECK(contains(place.region(), p[0], p[1], p[2]));
+      for (unsigned level = 0; level < Octree<Real>::kLevels; ++level) {
+        const Region<Real> before = place.region();
+        place = place.child(Octree<Real>::octant_of(way, level));
+        const Region<Real> region = place.region();
+        CHECK(contains(region, p[0], p[1], p[2]));
+        CHECK(contains(before, region.lo[0], region.lo[1], region.lo[2]));
+        CHECK(contains(before, region.hi[0], region.hi[1], region.hi[2]));
+        CHECK(region.hi[0] - region.lo[0] <= Real(0.5) * (before.hi[0] - before.lo[0]) + 2 * place.top->room);
+      }
+    }
+  }
+}
+
+TEST_CASE_TEMPLATE("small cells have short programs, however far one can look", Real, float, double) {
+  Random random(3);  // NOLINT(bugprone-random-generator-seed): likewise
+  std::vector<NodePtr> balls;
+  const auto place_of = [&] {
+    return Vec3{uniform(random, -2.0, 2.0), uniform(random, -2.0, 2.0), uniform(random, -2.0, 2.0)};
+  };
+  for (int i = 0; i < 300; ++i) balls.push_back(translate(sphere(0.2), place_of()));
+  const auto program = compile(combine(NodeKind::kUnion, std::move(balls), 0.0));
+  Octree<Real> octree(program->distance(), *program->focus());
+  Runner<Real> runner(program->distance());
+  CellMaker<Real> maker(octree, runner);
+  for (int i = 0; i < 30; ++i) {
+    const Vec3 p = place_of();
+    const std::uint64_t way = octree.way_to(static_cast<Real>(p.x), static_cast<Real>(p.y), static_cast<Real>(p.z));
+    REQUIRE((way >> Octree<Real>::kWayBits) == 0U);
+    typename Octree<Real>::Place place{octree.tops().data(), 0, {}};
+    typename Octree<Real>::Cell* cell = &place.top->cell;
+    while (!cell->is_leaf) {
+      const unsigned octant = Octree<Real>::octant_of(way, place.level);
+      place = place.child(octant);
+      cell = &maker.child(*cell, place, octant);
+    }
+    CHECK(cell->part.length <= 12);
+    CHECK(place.level <= 8);
+  }
+}
+
+TEST_CASE("parts are packed and unpacked as they were, unless their instructions differ too much") {
+  const auto program = compile(row_of_balls(500, 0.25));
+  const Tape& tape = program->distance();
+  const HeldPart whole = whole_of(tape);
+  Arena arena;
+  Packer packer;
+  Unpacker unpacker(tape);
+  const std::optional<TapePart> packed = packer.pack(whole.view(), arena);
+  REQUIRE(packed.has_value());
+  CHECK(arena.bytes() < 8192 + 6 * tape.code.size());
+  const TapePart unpacked = unpacker.ready(*packed);
+  CHECK(std::ranges::equal(unpacked.instructions(), tape.code));
+  CHECK(std::equal(tape.results.begin(), tape.results.end(), unpacked.results));
+  CHECK(unpacked.registers == tape.registers);
+  CHECK(unpacker.ready(whole.view()).code == whole.code.data());
+
+  HeldPart varied = whole;
+  for (std::size_t i = 0; i < 300; ++i) varied.code[i].out[0] = static_cast<std::uint16_t>(i);
+  CHECK(!packer.pack(varied.view(), arena).has_value());
 }
 
 TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float, double) {
