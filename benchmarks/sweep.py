@@ -1,4 +1,4 @@
-"""Measure what octomarch's own choices cost: methods, instruction sets, threads, sizes, features, building.
+"""Measure what octomarch's own choices cost: methods, instruction sets, threads, sizes, features, gradients, building.
 
 ``python benchmarks/sweep.py`` (or ``make bench``) runs every sweep of sweeps/, prints tables and keeps everything in
 benchmarks/results/sweep-*.json. README.md says what is measured. octomarch itself must be installed. tables.py comes
@@ -14,7 +14,7 @@ from typing import Any
 
 import machine
 import sweep_tables
-from sweeps import balls, building, features, isas, methods, resolution, threads
+from sweeps import balls, building, features, gradients, isas, methods, resolution, threads
 from sweeps.plan import FULL, QUICK, Plan, Row, say
 
 SWEEPS: dict[str, Callable[[Plan], list[Row]]] = {
@@ -24,6 +24,7 @@ SWEEPS: dict[str, Callable[[Plan], list[Row]]] = {
     "balls": balls.measure,
     "resolution": resolution.measure,
     "features": features.measure,
+    "gradients": gradients.measure,
     "building": building.measure,
 }
 

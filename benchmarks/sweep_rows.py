@@ -18,6 +18,7 @@ COLUMNS = {
     "balls": ("n", "picture", "evaluations", "cells", "cell_bytes"),
     "resolution": ("scene", "n", "mode", "side", "extra_bytes"),
     "features": ("feature", "over", "evaluations", "off_pairs", "different_counts", "different_pixels"),
+    "gradients": ("scene", "n", "isa", "asked", "points"),
     "building": ("shapes", "n", "stage", "megabytes", "instructions"),
 }
 

@@ -152,6 +152,22 @@ def features(rows: list[Row]) -> str:
     return f"{table(heads, lines, 2)}\n\n{words.features(rows)}"
 
 
+def gradients(rows: list[Row]) -> str:
+    """Return nanoseconds of a distance and of a gradient, and how many distances a gradient takes."""
+    scenes = values(rows, "scene")
+    lines = []
+    for isa in values(rows, "isa"):
+        cells = []
+        for scene in scenes:
+            distance, gradient = (one(rows, scene=scene, isa=isa, asked=asked) for asked in ("distance", "gradient"))
+            if distance and gradient:
+                cells += [f"{median(row) / row['points'] * 1e6:.2f}" for row in (distance, gradient)]
+                cells.append(f"{ratio(gradient, distance):.2f}")
+        lines.append([isa, *cells])
+    heads = [f"{scene}: {what}" for scene in scenes for what in ("ns a distance", "ns a gradient", "ratio")]
+    return table(["", *heads], lines)
+
+
 def building(rows: list[Row]) -> str:
     lines = []
     for shapes in values(rows, "shapes"):
@@ -170,6 +186,7 @@ TABLES: dict[str, Callable[[list[Row]], str]] = {
     "balls": balls,
     "resolution": resolution,
     "features": features,
+    "gradients": gradients,
     "building": building,
 }
 

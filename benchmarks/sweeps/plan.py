@@ -3,12 +3,12 @@
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Generic, TypeVar
 
-import octomarch as om
 from timing import measure
 
 Row = dict[str, Any]
+Made = TypeVar("Made")
 
 
 @dataclass(frozen=True)
@@ -36,11 +36,11 @@ QUICK = Plan(rounds=1, size=(64, 48), balls=20, counts=(10, 60), rounds_of_count
 
 
 @dataclass(frozen=True)
-class Case:
-    """A picture that is timed, and what is kept beside its times."""
+class Case(Generic[Made]):
+    """What is timed, mostly a picture, and what is kept beside its times."""
 
     key: str
-    run: Callable[[], om.Image]
+    run: Callable[[], Made]
     facts: Row = field(default_factory=dict)
 
 
@@ -49,13 +49,13 @@ def say(text: str) -> None:
     print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
 
 
-def timed(cases: list[Case], plan: Plan, title: str, facts_of: Callable[[om.Image], Row]) -> list[Row]:
-    """Time cases in turn, and return a row for each: its facts, those of its image, and milliseconds of all rounds."""
+def timed(cases: list[Case[Made]], plan: Plan, title: str, facts_of: Callable[[Made], Row]) -> list[Row]:
+    """Time cases in turn, and return a row for each: its facts, those of its result, and milliseconds of all rounds."""
     say(f"{title}: warming up")
-    times, images = measure(
+    times, results = measure(
         cases, plan.rounds, lambda done: say(f"{title}: round {done} of {plan.rounds}"), plan.seconds
     )
     return [
-        {**case.facts, **facts_of(images[case.key]), "cpu": times[case.key].cpu, "wall": times[case.key].wall}
+        {**case.facts, **facts_of(results[case.key]), "cpu": times[case.key].cpu, "wall": times[case.key].wall}
         for case in cases
     ]

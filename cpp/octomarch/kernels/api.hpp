@@ -37,6 +37,7 @@ struct TapeView {
   std::uint32_t registers;
   std::uint16_t result;
   const ImageView* images;
+  const AxisStep* axes = nullptr;  ///< for gradients, see axis_steps(); where null, all derivatives are computed with
 };
 
 /// One input of a ray: an array, or one value for all.

@@ -88,6 +88,17 @@ Lanes<Real> select(const Mask<Real>& mask, const Lanes<Real>& a, const Lanes<Rea
   return xsimd::select(mask.v, a.v, b.v);
 }
 
+/// `mask ? a : 0`.
+template <class Real>
+Lanes<Real> kept(const Mask<Real>& mask, const Lanes<Real>& a) {
+#if defined(__SSE2__) && !defined(__AVX512F__)
+  using Native = typename Lanes<Real>::Native;  // a select would take two instructions
+  return Native(typename Native::register_type(mask.v)) & a.v;
+#else
+  return select(mask, a, Lanes<Real>(Real(0)));
+#endif
+}
+
 #ifdef __SSE2__
 // The x86 instructions mean exactly a < b ? a : b and a > b ? a : b.
 static inline __m128 lesser(__m128 a, __m128 b) { return _mm_min_ps(a, b); }

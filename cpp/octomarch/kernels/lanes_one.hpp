@@ -75,6 +75,12 @@ Lanes<Real> select(const Mask<Real>& mask, const Lanes<Real>& a, const Lanes<Rea
   return mask.v ? a : b;
 }
 
+/// `mask ? a : 0`.
+template <class Real>
+Lanes<Real> kept(const Mask<Real>& mask, const Lanes<Real>& a) {
+  return mask.v ? a : Lanes<Real>(Real(0));
+}
+
 template <class Real>
 Lanes<Real> min(const Lanes<Real>& a, const Lanes<Real>& b) {
   return a.v < b.v ? a : b;

@@ -67,21 +67,25 @@ template <class Real>
 void gradient(const TapeView<Real>& tape, Real* registers, const Vectors<const Real>& points, std::size_t count,
               const bool* cancelled, const Vectors<Real>& out) {
   using T = Lanes<Real>;
-  using Layout = RegisterLayout<Dual<T>>;
-  const T zero = Real(0);
-  const T one = Real(1);
+  const T nan = kNaN<Real>;
   for (std::size_t first = 0; first < count && !is_set(cancelled); first += kLanes) {
     const std::size_t n = batches<Real>(lanes_in_block(first, count));
+    std::uint64_t numbers = 0;  // derivatives that are known beforehand hide a NaN, as minima do
     for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-      Layout::store({T::load(points.x + first + lane), one, zero, zero}, registers + lane);
-      Layout::store({T::load(points.y + first + lane), zero, one, zero}, registers + 4 * kLanes + lane);
-      Layout::store({T::load(points.z + first + lane), zero, zero, one}, registers + 8 * kLanes + lane);
+      const T x = T::load(points.x + first + lane);
+      const T y = T::load(points.y + first + lane);
+      const T z = T::load(points.z + first + lane);
+      x.store(registers + lane);
+      y.store(registers + 4 * kLanes + lane);
+      z.store(registers + 8 * kLanes + lane);
+      numbers |= ((x == x) & (y == y) & (z == z)).bits() << lane;
     }
     const Real* field = evaluate_dual(tape, registers, n);
     for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-      T::load(field + kLanes + lane).store(out.x + first + lane);
-      T::load(field + 2 * kLanes + lane).store(out.y + first + lane);
-      T::load(field + 3 * kLanes + lane).store(out.z + first + lane);
+      const Mask<Real> is_number = Mask<Real>::from_bits(numbers >> lane);
+      select(is_number, T::load(field + kLanes + lane), nan).store(out.x + first + lane);
+      select(is_number, T::load(field + 2 * kLanes + lane), nan).store(out.y + first + lane);
+      select(is_number, T::load(field + 3 * kLanes + lane), nan).store(out.z + first + lane);
     }
   }
 }

@@ -66,6 +66,17 @@ struct Blend {
     const T overlap = max(k - abs(gap), zero);
     return overlap * (overlap * quarter_inverse);  // its square alone would overflow for k beyond 1e19
   }
+
+  /// The derivative in closed form takes a third of the operations. Beyond k it is 0, whatever the gap's.
+  template <class T>
+  Dual<T> operator()(const Dual<T>& gap) const {
+    const T overlap = max(k - abs(gap.value), zero);
+    const T share = overlap * quarter_inverse;
+    const T slope = select(gap.value < zero, share + share, -(share + share));
+    const auto is_blended = overlap > zero;
+    return {overlap * share, kept(is_blended, gap.dx * slope), kept(is_blended, gap.dy * slope),
+            kept(is_blended, gap.dz * slope)};
+  }
 };
 
 template <class C>

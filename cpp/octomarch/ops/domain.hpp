@@ -47,10 +47,7 @@ struct Repeat {
   template <class Real>
   explicit Repeat(const Real* p) : rx(p), ry(p + 3), rz(p + 6) {}
 
-  template <class T>
-  Triple<T> operator()(const T& x, const T& y, const T& z) const {
-    return {rx(x), ry(y), rz(z)};
-  }
+  auto operator()(const auto& x, const auto& y, const auto& z) const { return Triple{rx(x), ry(y), rz(z)}; }
 };
 
 /// A counted repetition: cells are numbered from the middle one, and held within ±limit. Constants: those of

@@ -16,10 +16,7 @@ struct Rectangle {
   template <class Real>
   explicit Rectangle(const Real* p) : hx(p[0]), hy(p[1]), zero(Real(0)) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y) const {
-    return box_distance(abs(x) - hx, abs(y) - hy, zero);
-  }
+  auto operator()(const auto& x, const auto& y) const { return box_distance(abs(x) - hx, abs(y) - hy, zero); }
 };
 
 /// One edge more on the way round a polygon. Input and result are the distance to the nearest edge so far, < 0 where a ray

@@ -3,18 +3,22 @@
 //
 // T offers + - * and unary -, sqrt, square, abs, min, max, select(mask, a, b) and value_of (the part that comparisons
 // look at), with min(a, b) = a < b ? a : b and max(a, b) = a > b ? a : b: so a NaN in `a` yields `b`. Constants have the
-// lane type C itself, which has floor too; T mixes with C in + - * min max.
+// lane type C itself, which has floor too; T mixes with C in + - * min max. Where an operator takes inputs of different types
+// (const auto&), these are duals of which some derivatives are known.
 #pragma once
 
 namespace octomarch::ops {
 
 /// Three numbers: a point, or the outputs of an operator that moves points.
-template <class T>
+template <class X, class Y = X, class Z = X>
 struct Triple {
-  T x;
-  T y;
-  T z;
+  X x;
+  Y y;
+  Z z;
 };
+
+template <class X, class Y, class Z>
+Triple(X, Y, Z) -> Triple<X, Y, Z>;
 
 /// Two numbers: the outputs of an operator that moves points in a plane.
 template <class T>
@@ -34,29 +38,23 @@ T larger_of(const T& a, const T& b) {
   return max(a, b);
 }
 
-template <class T>
-T length(const T& x, const T& y) {
-  return sqrt(square(x) + square(y));
-}
+auto length(const auto& x, const auto& y) { return sqrt(square(x) + square(y)); }
 
-template <class T>
-T length(const T& x, const T& y, const T& z) {
-  return sqrt(square(x) + square(y) + square(z));
-}
+auto length(const auto& x, const auto& y, const auto& z) { return sqrt(square(x) + square(y) + square(z)); }
 
 /// Exact distance to a box from the signed excesses q = |p| − half over its axes. Outside it is the length of the
 /// positive excesses, inside and on a face the largest excess: there the textbook sum of both terms has no derivative.
-template <class T, class C>
-T box_distance(const T& qx, const T& qy, const T& qz, const C& zero) {
-  const T largest = max(max(qx, qy), qz);
-  const T outside = length(max(qx, zero), max(qy, zero), max(qz, zero));
+template <class C>
+auto box_distance(const auto& qx, const auto& qy, const auto& qz, const C& zero) {
+  const auto largest = max(max(qx, qy), qz);
+  const auto outside = length(max(qx, zero), max(qy, zero), max(qz, zero));
   return select(value_of(largest) > zero, outside, largest);
 }
 
-template <class T, class C>
-T box_distance(const T& qx, const T& qy, const C& zero) {
-  const T largest = max(qx, qy);
-  const T outside = length(max(qx, zero), max(qy, zero));
+template <class C>
+auto box_distance(const auto& qx, const auto& qy, const C& zero) {
+  const auto largest = max(qx, qy);
+  const auto outside = length(max(qx, zero), max(qy, zero));
   return select(value_of(largest) > zero, outside, largest);
 }
 

@@ -15,9 +15,8 @@ struct BoxExterior {
   template <class Real>
   explicit BoxExterior(const Real* p) : hx(p[0]), hy(p[1]), hz(p[2]), zero(Real(0)) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
-    const T distance = box_distance(abs(x) - hx, abs(y) - hy, abs(z) - hz, zero);
+  auto operator()(const auto& x, const auto& y, const auto& z) const {
+    const auto distance = box_distance(abs(x) - hx, abs(y) - hy, abs(z) - hz, zero);
     return select(value_of(distance) < zero, max(distance, zero), distance);
   }
 };
@@ -29,8 +28,7 @@ struct BoxMaximum {
   template <class Real>
   explicit BoxMaximum(const Real* p) : hx(p[0]), hy(p[1]), hz(p[2]) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
+  auto operator()(const auto& x, const auto& y, const auto& z) const {
     return max(max(abs(x) - hx, abs(y) - hy), abs(z) - hz);
   }
 };

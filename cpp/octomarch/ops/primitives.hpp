@@ -16,10 +16,7 @@ struct Sphere {
   template <class Real>
   explicit Sphere(const Real* p) : cx(p[0]), cy(p[1]), cz(p[2]), radius(p[3]) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
-    return length(x - cx, y - cy, z - cz) - radius;
-  }
+  auto operator()(const auto& x, const auto& y, const auto& z) const { return length(x - cx, y - cy, z - cz) - radius; }
 };
 
 /// The same about the origin. Constants: r.
@@ -29,10 +26,7 @@ struct OriginSphere {
   template <class Real>
   explicit OriginSphere(const Real* p) : radius(p[0]) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
-    return length(x, y, z) - radius;
-  }
+  auto operator()(const auto& x, const auto& y, const auto& z) const { return length(x, y, z) - radius; }
 };
 
 /// Box with faces along the axes. Constants: centre (3), half edges (3).
@@ -42,8 +36,7 @@ struct Box {
   template <class Real>
   explicit Box(const Real* p) : cx(p[0]), cy(p[1]), cz(p[2]), hx(p[3]), hy(p[4]), hz(p[5]), zero(Real(0)) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
+  auto operator()(const auto& x, const auto& y, const auto& z) const {
     return box_distance(abs(x - cx) - hx, abs(y - cy) - hy, abs(z - cz) - hz, zero);
   }
 };
@@ -55,8 +48,7 @@ struct OriginBox {
   template <class Real>
   explicit OriginBox(const Real* p) : hx(p[0]), hy(p[1]), hz(p[2]), zero(Real(0)) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
+  auto operator()(const auto& x, const auto& y, const auto& z) const {
     return box_distance(abs(x) - hx, abs(y) - hy, abs(z) - hz, zero);
   }
 };
@@ -68,10 +60,7 @@ struct Plane {
   template <class Real>
   explicit Plane(const Real* p) : nx(p[0]), ny(p[1]), nz(p[2]), h(p[3]) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
-    return x * nx + y * ny + z * nz + h;
-  }
+  auto operator()(const auto& x, const auto& y, const auto& z) const { return x * nx + y * ny + z * nz + h; }
 };
 
 /// Plane across one coordinate. Constants: n = ±1, h.
@@ -81,10 +70,7 @@ struct AxisPlane {
   template <class Real>
   explicit AxisPlane(const Real* p) : n(p[0]), h(p[1]) {}
 
-  template <class T>
-  T operator()(const T& x) const {
-    return x * n + h;
-  }
+  auto operator()(const auto& x) const { return x * n + h; }
 };
 
 /// Endless cylinder; its two inputs are the coordinates across the axis. Constants: centre (2), r.
@@ -94,10 +80,7 @@ struct Cylinder {
   template <class Real>
   explicit Cylinder(const Real* p) : cx(p[0]), cz(p[1]), radius(p[2]) {}
 
-  template <class T>
-  T operator()(const T& x, const T& z) const {
-    return length(x - cx, z - cz) - radius;
-  }
+  auto operator()(const auto& x, const auto& z) const { return length(x - cx, z - cz) - radius; }
 };
 
 /// The same about a coordinate axis. Constants: r.
@@ -107,10 +90,7 @@ struct OriginCylinder {
   template <class Real>
   explicit OriginCylinder(const Real* p) : radius(p[0]) {}
 
-  template <class T>
-  T operator()(const T& x, const T& z) const {
-    return length(x, z) - radius;
-  }
+  auto operator()(const auto& x, const auto& z) const { return length(x, z) - radius; }
 };
 
 /// Cylinder with flat caps; the second input runs along the axis. Constants: centre (3), r, half height.
@@ -121,8 +101,7 @@ struct CappedCylinder {
   explicit CappedCylinder(const Real* p)
       : cx(p[0]), cy(p[1]), cz(p[2]), radius(p[3]), half_height(p[4]), zero(Real(0)) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
+  auto operator()(const auto& x, const auto& y, const auto& z) const {
     return box_distance(length(x - cx, z - cz) - radius, abs(y - cy) - half_height, zero);
   }
 };
@@ -134,8 +113,7 @@ struct Torus {
   template <class Real>
   explicit Torus(const Real* p) : cx(p[0]), cy(p[1]), cz(p[2]), radius(p[3]), tube_radius(p[4]) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
+  auto operator()(const auto& x, const auto& y, const auto& z) const {
     return length(length(x - cx, z - cz) - radius, y - cy) - tube_radius;
   }
 };
@@ -157,12 +135,11 @@ struct Capsule {
         zero(Real(0)),
         one(Real(1)) {}
 
-  template <class T>
-  T operator()(const T& x, const T& y, const T& z) const {
-    const T px = x - ax;
-    const T py = y - ay;
-    const T pz = z - az;
-    const T along = min(max((px * ex + py * ey + pz * ez) * inverse, zero), one);
+  auto operator()(const auto& x, const auto& y, const auto& z) const {
+    const auto px = x - ax;
+    const auto py = y - ay;
+    const auto pz = z - az;
+    const auto along = min(max((px * ex + py * ey + pz * ez) * inverse, zero), one);
     return length(px - along * ex, py - along * ey, pz - along * ez) - radius;
   }
 };

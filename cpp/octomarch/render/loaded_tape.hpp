@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "octomarch/kernels/dispatch.hpp"
+#include "octomarch/program/axis_steps.hpp"
 #include "octomarch/program/prune.hpp"
 #include "octomarch/render/buffer.hpp"
 
@@ -20,6 +21,7 @@ class LoadedTape {
  public:
   /// `tape` must outlive this. Memory for marches serves for values too.
   LoadedTape(const Tape& tape, TapeUse use) : tape_(tape), memory_(rows(tape, use) * kernels::kLanes) {
+    if (use == TapeUse::kGradients) axes_ = axis_steps(tape.code, tape.registers, tape.result());
     for (const NodePtr& image : tape.images) {
       const auto size = [&image](std::size_t i) { return static_cast<std::uint32_t>(image->parameter(i)); };
       images_.push_back({image->texels().data(), size(0), size(1), image->kind() == NodeKind::kGrid ? size(2) : 1});
@@ -27,15 +29,18 @@ class LoadedTape {
   }
 
   kernels::TapeView<Real> view() const {
-    return {tape_.code.data(), tape_.code.size(), constants(), tape_.registers, tape_.result(), images_.data()};
+    return {tape_.code.data(), tape_.code.size(), constants(), tape_.registers, tape_.result(), images_.data(), axes()};
   }
-  /// A part of the tape, which needs no more memory than the whole.
+  /// A part of the tape, which needs no more memory than the whole. Looking for coordinates would take longer than what it
+  /// saves at the few points of a cell.
   kernels::TapeView<Real> view(const TapePart& part) const {
-    return {part.code, part.length, constants(), part.registers, part.result, images_.data()};
+    return {part.code, part.length, constants(), part.registers, part.result, images_.data(), nullptr};
   }
   Real* memory() { return memory_.data(); }
 
  private:
+  const AxisStep* axes() const { return axes_.empty() ? nullptr : axes_.data(); }
+
   const Real* constants() const {
     if constexpr (std::is_same_v<Real, float>) {
       return tape_.constants_f32.data();
@@ -56,6 +61,7 @@ class LoadedTape {
 
   const Tape& tape_;
   std::vector<kernels::ImageView> images_;
+  std::vector<AxisStep> axes_;  ///< empty but for gradients
   Buffer<Real> memory_;
 };
 
