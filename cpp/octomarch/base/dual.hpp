@@ -222,6 +222,17 @@ auto max(const Dual<T, A...>& a, const std::type_identity_t<T>& c) {
   return chosen_at(max(a.value, c), a.value > c, a, Dual{c, Zero{}, Zero{}, Zero{}});
 }
 
+/// max(a, 0) as part of a length, whose derivative has a factor of 0 where a ≤ 0. What still has known derivatives is near a
+/// coordinate and has finite ones, which need not be taken out.
+template <class T, class... A>
+auto positive_part(const Dual<T, A...>& a, const T& zero) {
+  if constexpr ((IsKnown<A> || ...)) {
+    return Dual{max(a.value, zero), a.dx, a.dy, a.dz};
+  } else {
+    return max(a, zero);
+  }
+}
+
 /// Where a tie of two fields is to be decided for the first: where only it has a slope. A point on a sphere's surface
 /// that is another's centre still gets the normal of the surface.
 template <class T>

@@ -305,7 +305,7 @@ struct KernelTable {
   void (*expressions)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points,
                       const Vectors<const Real>* normals, std::size_t count, const bool* cancelled,
                       const std::uint16_t* results, std::size_t result_count, Real* const* outs);
-  /// The exact gradient at points; the register file is four times as large.
+  /// The exact gradient at points, NaN where these are not finite; the register file is four times as large.
   void (*gradient)(const TapeView<Real>&, Real* registers, const Vectors<const Real>& points, std::size_t count,
                    const bool* cancelled, const Vectors<Real>& out);
   /// A direction across the surface from the field around each point, by differences or by counting. Its length means

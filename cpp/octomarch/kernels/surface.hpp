@@ -70,7 +70,7 @@ void gradient(const TapeView<Real>& tape, Real* registers, const Vectors<const R
   const T nan = kNaN<Real>;
   for (std::size_t first = 0; first < count && !is_set(cancelled); first += kLanes) {
     const std::size_t n = batches<Real>(lanes_in_block(first, count));
-    std::uint64_t numbers = 0;  // derivatives that are known beforehand hide a NaN, as minima do
+    std::uint64_t finite = 0;  // known derivatives hide a NaN, as minima do, and an infinity times 0
     for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
       const T x = T::load(points.x + first + lane);
       const T y = T::load(points.y + first + lane);
@@ -78,14 +78,14 @@ void gradient(const TapeView<Real>& tape, Real* registers, const Vectors<const R
       x.store(registers + lane);
       y.store(registers + 4 * kLanes + lane);
       z.store(registers + 8 * kLanes + lane);
-      numbers |= ((x == x) & (y == y) & (z == z)).bits() << lane;
+      finite |= ((x - x) + (y - y) + (z - z) == T(Real(0))).bits() << lane;
     }
     const Real* field = evaluate_dual(tape, registers, n);
     for (std::size_t lane = 0; lane < n * kWidth<Real>; lane += kWidth<Real>) {
-      const Mask<Real> is_number = Mask<Real>::from_bits(numbers >> lane);
-      select(is_number, T::load(field + kLanes + lane), nan).store(out.x + first + lane);
-      select(is_number, T::load(field + 2 * kLanes + lane), nan).store(out.y + first + lane);
-      select(is_number, T::load(field + 3 * kLanes + lane), nan).store(out.z + first + lane);
+      const Mask<Real> is_finite = Mask<Real>::from_bits(finite >> lane);
+      select(is_finite, T::load(field + kLanes + lane), nan).store(out.x + first + lane);
+      select(is_finite, T::load(field + 2 * kLanes + lane), nan).store(out.y + first + lane);
+      select(is_finite, T::load(field + 3 * kLanes + lane), nan).store(out.z + first + lane);
     }
   }
 }

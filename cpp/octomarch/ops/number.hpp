@@ -42,19 +42,25 @@ auto length(const auto& x, const auto& y) { return sqrt(square(x) + square(y)); 
 
 auto length(const auto& x, const auto& y, const auto& z) { return sqrt(square(x) + square(y) + square(z)); }
 
+/// max(q, 0), where it is part of a length.
+template <class T, class C>
+T positive_part(const T& q, const C& zero) {
+  return max(q, zero);
+}
+
 /// Exact distance to a box from the signed excesses q = |p| − half over its axes. Outside it is the length of the
 /// positive excesses, inside and on a face the largest excess: there the textbook sum of both terms has no derivative.
 template <class C>
 auto box_distance(const auto& qx, const auto& qy, const auto& qz, const C& zero) {
   const auto largest = max(max(qx, qy), qz);
-  const auto outside = length(max(qx, zero), max(qy, zero), max(qz, zero));
+  const auto outside = length(positive_part(qx, zero), positive_part(qy, zero), positive_part(qz, zero));
   return select(value_of(largest) > zero, outside, largest);
 }
 
 template <class C>
 auto box_distance(const auto& qx, const auto& qy, const C& zero) {
   const auto largest = max(qx, qy);
-  const auto outside = length(max(qx, zero), max(qy, zero));
+  const auto outside = length(positive_part(qx, zero), positive_part(qy, zero));
   return select(value_of(largest) > zero, outside, largest);
 }
 
