@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <thread>
 #include <vector>
 
 #include "parts.hpp"
@@ -115,6 +116,51 @@ TEST_CASE("parts are packed and unpacked as they were, unless their instructions
   HeldPart varied = whole;
   for (std::size_t i = 0; i < 300; ++i) varied.code[i].out[0] = static_cast<std::uint16_t>(i);
   CHECK(!packer.pack(varied.view(), arena).has_value());
+}
+
+template <class Real>
+std::size_t cells_below(const typename Octree<Real>::Cell& cell) {
+  std::size_t count = 1;
+  for (unsigned octant = 0; octant < 8; ++octant) {
+    const typename Octree<Real>::Cell* const child = cell.child(octant);
+    if (child == nullptr) continue;
+    CHECK(child->part.length <= cell.part.length);
+    count += cells_below<Real>(*child);
+  }
+  return count;
+}
+
+TEST_CASE_TEMPLATE("threads that make cells at the same time lose none", Real, float, double) {
+  const auto program = compile(row_of_balls(600, 0.25));
+  const Tape& tape = program->distance();
+  Octree<Real> octree(tape, *program->focus());
+  constexpr std::size_t kThreads = 4;
+  constexpr std::size_t kCount = 3000;
+  std::array<std::size_t, kThreads> placed{};
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t thread = 0; thread < kThreads; ++thread) {
+      threads.emplace_back([&, thread] {
+        Random random(thread / 2);  // two and two have the same points
+        Runner<Real> runner(tape);
+        CellGroups<Real> groups(octree, runner);
+        StageStats stage;
+        const bool never = false;
+        for (int round = 0; round < 8; ++round) {
+          groups.sort(kCount, 3.0, never, stage, [&](std::size_t /*i*/) {
+            const auto at = [&](double lo, double hi) { return static_cast<Real>(uniform(random, lo, hi)); };
+            return std::array<Real, 3>{at(0.0, 1200.0), at(-1.0, 1.0), at(-1.0, 1.0)};
+          });
+          groups.for_each_place([&](std::size_t /*i*/, std::size_t /*place*/) { ++placed[thread]; });
+        }
+      });
+    }
+  }
+  for (const std::size_t count : placed) CHECK(count == 8 * kCount);
+  std::size_t cells = 1;  // that outside of all
+  for (const auto& top : octree.tops()) cells += cells_below<Real>(top.cell);
+  CHECK(cells == octree.cells());
+  CHECK(cells > 300);
 }
 
 TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float, double) {
