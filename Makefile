@@ -11,8 +11,8 @@
 #   make sanitize  both kinds of tests under the address and undefined-behaviour sanitizers
 #   make clean   remove what was built           make distclean  remove .venv too
 #
-# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS, BENCH_ARGS, SWEEP_ARGS, TRADE_ARGS, DOCS_ARGS (more
-# arguments for pytest, run.py and compare.py, sweep.py, trade.py, sphinx-build).
+# Variables: PYTHON (interpreter to make .venv with), PYTEST_ARGS, BENCH_ARGS, SWEEP_ARGS, TRADE_ARGS, CELLS_ARGS,
+# DOCS_ARGS (more arguments for pytest, run.py and compare.py, sweep.py, trade.py, cells.py, sphinx-build).
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
@@ -78,6 +78,7 @@ bench: $(STAMPS)/installed
 	$(BIN)/python benchmarks/run.py --build-dir $(BUILD_DIR) $(BENCH_ARGS)
 	$(BIN)/python benchmarks/sweep.py $(SWEEP_ARGS)
 	$(BIN)/python benchmarks/trade.py $(TRADE_ARGS)
+	$(BIN)/python benchmarks/cells.py $(CELLS_ARGS)
 
 bench-peers: $(STAMPS)/installed
 	@PATH="$(SYSTEM_PATH)" tools/setup.sh "$(PYTHON)" peers

@@ -2,8 +2,8 @@
 
 ``python benchmarks/tables.py`` (or ``make bench-tables``) rewrites what stands between ``<!-- begin: NAME -->`` and
 ``<!-- end: NAME -->``, and draws docs/images/benchmarks-*.svg; with ``--check`` it only says whether a table is stale.
-Damaged results end it with file and key, and nothing is written. compare.py, run.py, sweep.py, trade.py, quality.py,
-evaluations.py, extremes.py, grid.py, long_work.py and meshing.py come before it.
+Damaged results end it with file and key, and nothing is written. cells.py, compare.py, run.py, sweep.py, trade.py,
+quality.py, evaluations.py, extremes.py, grid.py, long_work.py and meshing.py come before it.
 """
 
 import argparse
@@ -14,6 +14,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
+import cells_tables
 import evaluation_tables
 import extreme_tables
 import grid_tables
@@ -38,6 +39,7 @@ PAGES = (
 )
 
 KINDS = {
+    "cells": cells_tables.check,
     "grid": grid_tables.check,
     "hand": hand_tables.check_by_hand,
     "meshing": meshing_tables.check,
@@ -95,6 +97,7 @@ def blocks(results: Path) -> dict[str, str]:
         "evaluations": evaluation_tables.table(load(results / "evaluations.json", evaluation_tables.check)),
         "meshing": meshing_tables.table(newest(results, "meshing")["rows"]),
         **extreme_tables.blocks(load(results / "extremes.json", extreme_tables.check)),
+        **cells_tables.blocks(newest(results, "cells")),
         **grid_tables.blocks(newest(results, "grid")),
         "peers-how": peer_tables.how(peers),
         "peers-summary": peer_tables.summary_table(peers),

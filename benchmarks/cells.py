@@ -1,0 +1,169 @@
+"""What long programs cost by cells of their octree: a first picture, which makes cells, and those that follow.
+
+``python benchmarks/cells.py`` prints the tables of docs/guide/marching.md and keeps the figures in benchmarks/results.
+Times are of processor time on one thread, medians over shapes that differ a little in where they are, so that each is
+new; ``clock`` is the first picture by the clock, on as many threads as there are processors.
+"""
+
+import argparse
+import json
+import time
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import cells_tables
+import machine
+import octomarch as om
+from spheres import SMOOTH, balls
+
+SIZE = (640, 480)
+PICTURES = 8
+SHAPES = 5
+WHOLE = 4000
+"""Instructions up to which the whole program is run too."""
+
+Row = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A shape that is made anew for each offset, and how it is looked at."""
+
+    name: str
+    build: Callable[[float], om.Shape]
+    camera: om.Camera
+    planes: tuple[str, ...] = ("depth",)
+    lights: tuple[om.DirectionalLight, ...] = ()
+    march: om.March = field(default_factory=om.March)
+
+    def render(self, shape: om.Shape, *, prune: bool = True, threads: int | None = 1) -> om.Image:
+        march = om.March(max_distance=self.march.max_distance, prune=prune)
+        scene = om.Scene(shape, lights=self.lights)
+        return om.render(scene, self.camera, SIZE, planes=self.planes, march=march, threads=threads)
+
+
+def sparse(n: int) -> Case:
+    """Scene C."""
+    recipe = balls(n)
+    camera = om.Camera(recipe.eye, (0, 0, 0), fov=45)
+    march = om.March(max_distance=recipe.max_distance)
+
+    def build(offset: float) -> om.Shape:
+        return om.spheres(recipe.centers + np.float32(offset), recipe.radii, smooth=SMOOTH)
+
+    return Case(f"scene C, {n:,} balls", build, camera, march=march)
+
+
+def dense(n: int) -> Case:
+    """Three balls a unit of volume, seen from nearer."""
+    edge = (n / 3) ** (1 / 3)
+    random = np.random.default_rng(n)
+    centers = random.uniform(-edge / 2, edge / 2, (n, 3))
+    radii = random.uniform(0.15, 0.35, n)
+    eye = (0.72 * edge, 0.54 * edge, 1.2 * edge)
+    march = om.March(max_distance=max(100.0, 4 * edge))
+
+    def build(offset: float) -> om.Shape:
+        return om.spheres(centers + offset, radii, smooth=SMOOTH)
+
+    return Case(f"dense, {n:,} balls", build, om.Camera(eye, (0, 0, 0), fov=45), march=march)
+
+
+SUN = (om.DirectionalLight((-1, -2, -1)),)
+NEAR = om.Camera((4, 3, 5), (0, 0, 0))
+
+
+def turned_boxes(offset: float) -> om.Shape:
+    random = np.random.default_rng(1)
+    angles, places = random.uniform(0, 180, 300), random.uniform(-2, 2, (300, 3)) + offset
+    boxes = (om.box(0.2).rotate(angle, "y").translate(*place) for angle, place in zip(angles, places, strict=True))
+    return om.union(*boxes) | om.plane(point=(0, -2, 0))
+
+
+def digits(offset: float) -> om.Shape:
+    """Ten digits carved into a drum, on a floor: from most places all are about as far."""
+    letters = [om.text(letter, size=0.5).extrude(0.3).translate(offset, -0.18, 1.1) for letter in "0123456789"]
+    drum = om.cylinder(1.05, 0.8) - om.union(*(letter.rotate(36 * i, "y") for i, letter in enumerate(letters)))
+    return drum | om.plane(point=(0, -0.5, 0))
+
+
+def cases(largest: int) -> list[Case]:
+    counts = [n for n in (200, 2000, 10_000, 100_000) if n <= largest]
+    return [
+        *(sparse(n) for n in counts),
+        *(dense(n) for n in counts),
+        Case("300 turned boxes on a floor, shaded", turned_boxes, NEAR, ("color",), SUN),
+        Case("digits carved into a drum, shaded", digits, NEAR, ("color",), SUN),
+    ]
+
+
+def on_one_thread(case: Case, shape: om.Shape, *, prune: bool = True) -> tuple[float, om.Image]:
+    """Render, and return the processor time that it took."""
+    before = time.process_time()
+    image = case.render(shape, prune=prune)
+    return time.process_time() - before, image
+
+
+def by_the_clock(case: Case, shape: om.Shape) -> float:
+    before = time.perf_counter()
+    case.render(shape, threads=None)
+    return time.perf_counter() - before
+
+
+def measure(case: Case) -> Row:
+    times: list[list[float]] = []
+    clocks = []
+    stats: list[Any] = []
+    for k in range(SHAPES):
+        shape = case.build(1e-3 * k)
+        pictures = [on_one_thread(case, shape) for _ in range(PICTURES)]
+        times.append([taken for taken, _ in pictures])
+        stats = [image.stats for _, image in pictures]
+        clocks.append(by_the_clock(case, case.build(1e-3 * k + 5e-4)))
+    median = np.median(times, axis=0)
+    shape = case.build(0.0)
+    instructions = om.compile(shape).instructions
+    whole = None
+    if instructions <= WHOLE:
+        whole = float(np.median([on_one_thread(case, shape, prune=False)[0] for _ in range(SHAPES)]))
+    cells = [found["cells"] for found in stats]
+    return {
+        "case": case.name,
+        "instructions": instructions,
+        "first": float(median[0]),
+        "next": float(median[1]),
+        "last": float(median[-1]),
+        "clock": float(np.median(clocks)),
+        "whole": whole,
+        "cells": [cells[0], sum(cells)],
+        "bytes": [stats[0]["cell_bytes"], stats[-1]["cell_bytes"]],
+    }
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--largest", type=int, default=100_000, metavar="N", help="balls at the most")
+    parser.add_argument("--out", type=Path, metavar="FILE")
+    chosen = parser.parse_args()
+    description = machine.describe(None)
+    machine.warn_when_busy(description)
+    other = machine.OtherWork()
+    rows = []
+    for case in cases(chosen.largest):
+        rows.append(measure(case))
+        print(rows[-1], flush=True)
+    result = {"machine": description, "pictures": PICTURES, "rows": rows}
+    description["busy_processors"] = other.busy_processors()
+    for name, table in cells_tables.blocks(result).items():
+        print(f"{name}\n\n{table}\n")
+    out = chosen.out or machine.result_file(description, "cells-")
+    out.write_text(json.dumps(result, indent=1) + "\n")
+    print(f"kept in {out}")
+
+
+if __name__ == "__main__":
+    main()

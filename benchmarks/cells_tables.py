@@ -1,0 +1,36 @@
+"""What cells.py has measured as Markdown. tables.py puts it into the documentation."""
+
+from typing import Any
+
+_COLUMNS = ("case", "instructions", "first", "next", "last", "clock", "whole", "cells", "bytes")
+
+
+def check(result: Any, name: str) -> None:
+    """Raise ValueError, naming file and key, where `result` is not what cells.py writes."""
+    for key in ("machine", "pictures", "rows"):
+        if not isinstance(result, dict) or not result.get(key):
+            raise ValueError(f"{name}: {key!r} is missing")
+    for index, row in enumerate(result["rows"]):
+        if missing := [column for column in _COLUMNS if column not in row]:
+            raise ValueError(f"{name}: rows[{index}]: {', '.join(missing)} missing")
+
+
+def blocks(result: Any) -> dict[str, str]:
+    """Return the text of every block by name."""
+    return {"cells": _table(result)}
+
+
+def _ms(seconds: float | None) -> str:
+    if seconds is None:
+        return "–"
+    return f"{seconds * 1e3:,.0f}"
+
+
+def _table(result: Any) -> str:
+    heads = ("", "instructions", "first picture", "next", f"{result['pictures']}th", "whole program", "MB", "MB then")
+    lines = ["| " + " | ".join(heads) + " |", "|---" + "|---:" * (len(heads) - 1) + "|"]
+    for row in result["rows"]:
+        times = (_ms(row[key]) for key in ("first", "next", "last", "whole"))
+        memory = (f"{size / 1e6:.1f}" for size in row["bytes"])
+        lines.append(f"| {row['case']} | {row['instructions']:,} | " + " | ".join([*times, *memory]) + " |")
+    return "\n".join(lines)
