@@ -168,3 +168,14 @@ def test_gradient_of_a_point_with_nan_is_nan_and_no_other_is(isa: str, precision
     found = shape.gradient(spoilt, precision=precision, isa=isa)
     assert np.isnan(found[70]).all()
     assert_array_equal(np.delete(found, 70, axis=0), np.delete(clean, 70, axis=0))
+
+
+@pytest.mark.parametrize(("precision", "least"), [("float32", 2.0**-63), ("float64", 2.0**-511)])
+def test_lengths_too_short_to_have_a_direction_have_no_slope(isa: str, precision: str, least: float):
+    """Below the root of the least normal number squares lose their digits."""
+    directions = np.array([(1, 0, 0), (3, 4, 0), (0, -5, 12), (2, -6, 3)])
+    for shape in (om.sphere(1.0), om.capsule((0, 0, 0), (0, 0, 0), 0.5), om.torus(0.0, 1.0)):
+        far = shape.gradient(directions * least, isa=isa, precision=precision)
+        np.testing.assert_allclose(np.linalg.norm(far, axis=1)[:2], 1, rtol=1e-5)
+        near = shape.gradient(directions * least / 64, isa=isa, precision=precision)
+        assert np.array_equal(near, np.zeros_like(near)), shape

@@ -142,11 +142,19 @@ auto sqrt(const Dual<T, A...>& a) {
   return Dual{root, a.dx * slope, a.dy * slope, a.dz * slope};
 }
 
+/// 1/a for derivatives of a length a. Of shorter ones than the root of the least normal number squares are not exact enough to say
+/// where they point: they count as 0, which has no derivative.
+template <class T>
+T inverse_of_length(const T& a) {
+  constexpr typename T::Real kLeast = sizeof(typename T::Real) == sizeof(float) ? 0x1p-63F : 0x1p-511;
+  return kept(a >= T(kLeast), T(1) / a);
+}
+
 /// √(x² + y²), with one division for all three derivatives.
 template <class T, class... A, class... B>
 auto length(const Dual<T, A...>& x, const Dual<T, B...>& y) {
   const T root = sqrt(square(x.value) + square(y.value));
-  const T slope = kept(root > T(0), T(1) / root);
+  const T slope = inverse_of_length(root);
   return Dual{root, (x.value * x.dx + y.value * y.dx) * slope, (x.value * x.dy + y.value * y.dy) * slope,
               (x.value * x.dz + y.value * y.dz) * slope};
 }
@@ -154,7 +162,7 @@ auto length(const Dual<T, A...>& x, const Dual<T, B...>& y) {
 template <class T, class... A, class... B, class... C>
 auto length(const Dual<T, A...>& x, const Dual<T, B...>& y, const Dual<T, C...>& z) {
   const T root = sqrt(square(x.value) + square(y.value) + square(z.value));
-  const T slope = kept(root > T(0), T(1) / root);
+  const T slope = inverse_of_length(root);
   return Dual{root, (x.value * x.dx + y.value * y.dx + z.value * z.dx) * slope,
               (x.value * x.dy + y.value * y.dy + z.value * z.dy) * slope,
               (x.value * x.dz + y.value * y.dz + z.value * z.dz) * slope};
