@@ -58,7 +58,7 @@ class Marcher {
   Real* row(std::size_t index) const { return memory_ + index * kLanes; }
 
   /// A few rays, which share a block as they lie: nothing is copied into slots, and none is refilled.
-  void run_in_place() {
+  [[gnu::noinline]] void run_in_place() {
     Block<Real> block;
     block.slots = (rays_.count + kPacketLanes - 1) / kPacketLanes;
     const std::size_t count = batches<Real>(block.slots * kPacketLanes);
@@ -111,8 +111,8 @@ class Marcher {
     while (block.slots < kPackets && load(block, block.slots)) ++block.slots;
   }
 
-  /// One step of every ray of a block.
-  void advance(Block<Real>& block) {
+  /// One step of every ray of a block. Inlined where it is called: a call cost 3 % of a small program's picture.
+  [[gnu::always_inline]] void advance(Block<Real>& block) {
     const std::size_t count = batches<Real>(block.slots * kPacketLanes);
     counters_.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(block.live));
     counters_.lane_slots += count * kWidth<Real>;
