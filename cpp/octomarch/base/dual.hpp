@@ -146,7 +146,8 @@ auto sqrt(const Dual<T, A...>& a) {
 /// where they point: they count as 0, which has no derivative.
 template <class T>
 T inverse_of_length(const T& a) {
-  constexpr typename T::Real kLeast = sizeof(typename T::Real) == sizeof(float) ? 0x1p-63F : 0x1p-511;
+  using Real = typename T::Real;
+  constexpr auto kLeast = static_cast<Real>(sizeof(Real) == sizeof(float) ? 0x1p-63 : 0x1p-511);
   return kept(a >= T(kLeast), T(1) / a);
 }
 
