@@ -20,6 +20,7 @@ namespace octomarch::kernels::OCTOMARCH_ISA {
 template <class Real, class Steps, class Task>
 class Marcher {
   using T = Lanes<Real>;
+  /// So many rays of a cell at the most are marched where they lie: one batch of the widest instruction set.
   static constexpr std::size_t kInPlace = 16;
 
  public:

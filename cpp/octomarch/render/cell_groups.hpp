@@ -5,12 +5,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <memory>
 #include <vector>
 
 #include "octomarch/base/parallel.hpp"
+#include "octomarch/kernels/block.hpp"
 #include "octomarch/program/octree.hpp"
-#include "octomarch/render/buffer.hpp"
 #include "octomarch/render/sorted_ways.hpp"
 #include "octomarch/render/stages.hpp"
 

@@ -12,9 +12,11 @@
 namespace octomarch {
 
 class SortedWays {
+  static constexpr unsigned kElementBits = 20;
+
  public:
-  /// Elements at the most.
-  static constexpr std::size_t kMost = std::size_t{1} << 20;
+  /// Elements are numbers below this.
+  static constexpr std::size_t kMost = std::size_t{1} << kElementBits;
 
   void clear() { ways_.clear(); }
   void add(std::uint64_t way, std::size_t element) { ways_.push_back(way << kElementBits | element); }
@@ -56,7 +58,6 @@ class SortedWays {
   }
 
  private:
-  static constexpr unsigned kElementBits = 20;
   static constexpr unsigned kTopShift = Octree<float>::kWayBits + kElementBits;
   static constexpr unsigned kBytes = (64 - kElementBits + 7) / 8;
 
