@@ -32,7 +32,7 @@ TEST_CASE("ways are sorted, equal ones by their elements") {
   for (const std::size_t count : {0UL, 1UL, 2UL, 95UL, 96UL, 5000UL, 5UL}) {
     Ways ways = some_ways(count, random);
     sorted.clear();
-    for (const auto& [way, element] : ways) sorted.add(way, element);
+    for (const auto& [way, element] : ways) sorted.add({way, element});
     sorted.sort();
     std::sort(ways.begin(), ways.end());
     REQUIRE(sorted.size() == count);
@@ -45,7 +45,7 @@ TEST_CASE("octants are where their ways begin and end") {
   for (const std::size_t count : {1UL, 10UL, 400UL}) {
     Ways ways = some_ways(count, random);
     SortedWays sorted;
-    for (const auto& [way, element] : ways) sorted.add(way, element);
+    for (const auto& [way, element] : ways) sorted.add({way, element});
     sorted.sort();
     std::sort(ways.begin(), ways.end());
     std::size_t begin = 0;

@@ -1,6 +1,8 @@
 // A box of points, as the numbers that kernels compare with. The octree makes them, kernels march inside of them.
 #pragma once
 
+#include <limits>
+
 namespace octomarch {
 
 /// All points with lo ≤ p ≤ hi; ends may be infinite.
@@ -9,6 +11,13 @@ struct Region {
   Real lo[3];
   Real hi[3];
 };
+
+template <class Real>
+inline constexpr Region<Real> kAllPoints = {
+    {-std::numeric_limits<Real>::infinity(), -std::numeric_limits<Real>::infinity(),
+     -std::numeric_limits<Real>::infinity()},
+    {std::numeric_limits<Real>::infinity(), std::numeric_limits<Real>::infinity(),
+     std::numeric_limits<Real>::infinity()}};
 
 template <class Real>
 bool contains(const Region<Real>& region, Real x, Real y, Real z) {

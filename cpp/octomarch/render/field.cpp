@@ -54,7 +54,10 @@ Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<R
       values_(kernels::padded_lanes(size)),
       ends_(kernels::padded_lanes(size)),
       sampler_(tape_, kernels) {
-  if (shared.octree) groups_.emplace(*shared.octree, sampler_);
+  if (shared.octree) {
+    groups_.emplace(*shared.octree, sampler_);
+    sweep_.emplace(groups_->choice());
+  }
   if (shared.split == nullptr) return;
   for (const Plane& plane : shared.split->planes) {
     for (const double number : plane) planes_.push_back(static_cast<Real>(number));
@@ -86,7 +89,7 @@ template <class Real>
 template <class Function>
 void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
                                  LoadedTape<Real>& tape, StageStats& stage, Function&& f) {
-  groups_->sort(count, 1.0, cancelled, stage,
+  groups_->sort(count, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   sorted_.reserve(groups_->places());
   groups_->for_each_place([&](std::size_t i, std::size_t place) {
@@ -173,101 +176,96 @@ void Field<Real>::march_all(const Rays& rays, const Parameters& parameters, cons
   run(tape_.view(), tape_.memory(), rays, parameters, everywhere, state);
 }
 
-/// Round by round: rays are sorted by the cells of their next samples, and each group marched until its rays have left the
-/// cell.
+/// Cell by cell, from front to back.
 template <class Real>
 template <class Run>
 void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage,
                                  Run&& run) {
+  groups_->choice().begin(kStepsInCell, *parameters.cancelled, stage);
   taken_.assign(rays.count, 0);
-  active_.clear();
+  int along[3] = {};
   for (std::size_t i = 0; i < rays.count; ++i) {
     state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kEnded);
-    if (state.t[i] <= at(rays.t_max, i)) active_.push_back(static_cast<std::uint32_t>(i));
+    if (!(state.t[i] <= at(rays.t_max, i))) continue;
+    wait(rays, state, i);
+    along[0] += at(rays.dx, i) < Real(0) ? -1 : 1;
+    along[1] += at(rays.dy, i) < Real(0) ? -1 : 1;
+    along[2] += at(rays.dz, i) < Real(0) ? -1 : 1;
   }
+  const unsigned nearest = (along[0] < 0 ? 1U : 0U) | (along[1] < 0 ? 2U : 0U) | (along[2] < 0 ? 4U : 0U);
   Sorted& s = sorted_;
-  while (!active_.empty() && !is_set(*parameters.cancelled)) {
-    const Rays sorted_rays = sort_rays(rays, state, *parameters.cancelled, stage);
-    for (const CellGroup<Real>& group : groups_->groups()) {
-      const std::size_t first = group.first;
-      std::int32_t* const steps = s.steps.data() + first;
-      Parameters left = parameters;
-      left.max_steps -= *std::max_element(steps, steps + group.count);
-      std::fill_n(steps, group.count, 0);
-      const State part{s.t.data() + first,
-                       s.radius.data() + first,
-                       s.before.data() + first,
-                       s.stride.data() + first,
-                       s.boldness.data() + first,
-                       s.pause.data() + first,
-                       steps};
-      run(tape_.view(groups_->part(group)), tape_.memory(), sorted_rays.from(first, group.count), left, &group.region,
-          part);
-    }
-    take_back(parameters.max_steps, state);
-  }
+  sweep_->run(nearest, [&](const TapePart& part, const Region<Real>& region, const Waiting& waiting) {
+    const Rays gathered = gather(rays, state, waiting);
+    Parameters left = parameters;
+    left.max_steps -= *std::max_element(s.steps.data(), s.steps.data() + waiting.size());
+    std::fill_n(s.steps.data(), waiting.size(), 0);
+    run(tape_.view(part), tape_.memory(), gathered, left, &region,
+        State{s.t.data(), s.radius.data(), s.before.data(), s.stride.data(), s.boldness.data(), s.pause.data(),
+              s.steps.data()});
+    take_back(rays, parameters.max_steps, state, waiting);
+  });
   if (state.steps != nullptr) std::copy_n(taken_.data(), rays.count, state.steps);
 }
 
-/// Copies the active rays into the order of their groups.
+/// Lets a ray wait in the cell of its next sample, the point as kernels compute it.
 template <class Real>
-kernels::RayView<Real> Field<Real>::sort_rays(const Rays& rays, const State& state, const bool& cancelled,
-                                              StageStats& stage) {
-  groups_->sort(active_.size(), kStepsInCell, cancelled, stage, [&](std::size_t k) {  // points as kernels compute them
-    const std::size_t i = active_[k];
-    const Real t = state.t[i];
-    return std::array<Real, 3>{at(rays.ox, i) + t * at(rays.dx, i), at(rays.oy, i) + t * at(rays.dy, i),
-                               at(rays.oz, i) + t * at(rays.dz, i)};
-  });
-  Sorted& s = sorted_;
-  s.reserve(groups_->places());
-  const auto column = [this](const kernels::Column<Real>& values, Buffer<Real>& sorted) {
-    if (values.values == nullptr) return values;
-    groups_->for_each_place([&](std::size_t k, std::size_t place) { sorted[place] = values.values[active_[k]]; });
-    return kernels::Column<Real>{sorted.data(), 0};
-  };
-  const Rays sorted_rays{column(rays.ox, s.origin.x),
-                         column(rays.oy, s.origin.y),
-                         column(rays.oz, s.origin.z),
-                         column(rays.dx, s.direction.x),
-                         column(rays.dy, s.direction.y),
-                         column(rays.dz, s.direction.z),
-                         {},
-                         column(rays.t_max, s.t_max),
-                         column(rays.epsilon, s.epsilon),
-                         groups_->places()};
-  // what lies between groups never lives
-  std::fill_n(s.t.data(), groups_->places(), std::numeric_limits<Real>::quiet_NaN());
-  groups_->for_each_place([&](std::size_t k, std::size_t place) {
-    const std::size_t i = active_[k];
-    s.t[place] = state.t[i];
-    s.before[place] = state.before[i];
-    s.stride[place] = state.stride[i];
-    s.boldness[place] = state.boldness[i];
-    s.steps[place] = taken_[i];
-  });
-  return sorted_rays;
+void Field<Real>::wait(const Rays& rays, const State& state, std::size_t i) {
+  const Real t = state.t[i];
+  sweep_->add(i, at(rays.ox, i) + t * at(rays.dx, i), at(rays.oy, i) + t * at(rays.dy, i),
+              at(rays.oz, i) + t * at(rays.dz, i));
 }
 
-/// Copies the active rays back; those that have not ended, and have steps left, stay active.
+/// Copies the rays of a cell side by side.
 template <class Real>
-void Field<Real>::take_back(int max_steps, const State& state) {
+kernels::RayView<Real> Field<Real>::gather(const Rays& rays, const State& state, const Waiting& waiting) {
+  Sorted& s = sorted_;
+  const std::size_t count = waiting.size();
+  const std::size_t padded = padded_group(count);
+  s.reserve(padded);
+  const auto copy = [&](const auto* values, auto* out) {
+    for (std::size_t k = 0; k < count; ++k) out[k] = values[waiting[k].element()];
+  };
+  const auto column = [&](const kernels::Column<Real>& values, Buffer<Real>& out) {
+    if (values.values == nullptr) return values;
+    copy(values.values, out.data());
+    return kernels::Column<Real>{out.data(), 0};
+  };
+  const Rays gathered{column(rays.ox, s.origin.x),
+                      column(rays.oy, s.origin.y),
+                      column(rays.oz, s.origin.z),
+                      column(rays.dx, s.direction.x),
+                      column(rays.dy, s.direction.y),
+                      column(rays.dz, s.direction.z),
+                      {},
+                      column(rays.t_max, s.t_max),
+                      column(rays.epsilon, s.epsilon),
+                      padded};
+  copy(state.t, s.t.data());
+  copy(state.before, s.before.data());
+  copy(state.stride, s.stride.data());
+  copy(state.boldness, s.boldness.data());
+  copy(taken_.data(), s.steps.data());
+  std::fill(s.t.data() + count, s.t.data() + padded, std::numeric_limits<Real>::quiet_NaN());  // which never live
+  return gathered.from(0, count);
+}
+
+/// Copies them back; those that have not ended, and have steps left, wait again.
+template <class Real>
+void Field<Real>::take_back(const Rays& rays, int max_steps, const State& state, const Waiting& waiting) {
   const Sorted& s = sorted_;
-  still_active_.clear();
-  groups_->for_each_place([&](std::size_t k, std::size_t place) {
-    const std::uint32_t i = active_[k];
-    state.t[i] = s.t[place];
-    state.radius[i] = s.radius[place];
-    state.before[i] = s.before[place];
-    state.stride[i] = s.stride[place];
-    state.boldness[i] = s.boldness[place];
-    state.pause[i] = s.pause[place];
-    taken_[i] += s.steps[place];
-    if (static_cast<kernels::Pause>(s.pause[place]) == kernels::Pause::kEnded) return;
+  for (std::size_t k = 0; k < waiting.size(); ++k) {
+    const std::size_t i = waiting[k].element();
+    state.t[i] = s.t[k];
+    state.radius[i] = s.radius[k];
+    state.before[i] = s.before[k];
+    state.stride[i] = s.stride[k];
+    state.boldness[i] = s.boldness[k];
+    state.pause[i] = s.pause[k];
+    taken_[i] += s.steps[k];
+    if (static_cast<kernels::Pause>(s.pause[k]) == kernels::Pause::kEnded) continue;
     state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kSpent);
-    if (taken_[i] < max_steps) still_active_.push_back(i);
-  });
-  active_.swap(still_active_);
+    if (taken_[i] < max_steps) wait(rays, state, i);
+  }
 }
 
 template <class Real>

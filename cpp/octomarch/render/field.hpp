@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "octomarch/render/cell_groups.hpp"
+#include "octomarch/render/cell_sweep.hpp"
 #include "octomarch/render/loaded_tape.hpp"
 #include "octomarch/render/rays.hpp"
 #include "octomarch/render/stages.hpp"
@@ -89,8 +90,10 @@ class Field {
   void march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run);
   template <class Run>
   void march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run);
-  Rays sort_rays(const Rays& rays, const State& state, const bool& cancelled, StageStats& stage);
-  void take_back(int max_steps, const State& state);
+  using Waiting = std::span<const Way>;  ///< rays of one cell
+  void wait(const Rays& rays, const State& state, std::size_t i);
+  Rays gather(const Rays& rays, const State& state, const Waiting& waiting);
+  void take_back(const Rays& rays, int max_steps, const State& state, const Waiting& waiting);
   /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_.points.
   template <class Function>
   void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
@@ -126,12 +129,12 @@ class Field {
   Cones cones_;
   KernelSampler<Real> sampler_;
   std::optional<CellGroups<Real>> groups_;
+  std::optional<CellSweep<Real>> sweep_;
   Sorted sorted_;
-  std::vector<std::uint32_t> active_, still_active_;  ///< rays that go on, in this round and the next
-  std::vector<std::int32_t> taken_;                   ///< steps of each ray so far
-  std::vector<Real> planes_;                          ///< apart from the rest
-  Buffer<Real> met_;                                  ///< where rays meet the first of them
-  std::unique_ptr<Field> rest_;                       ///< what is marched beside planes; null where that is nothing
+  std::vector<std::int32_t> taken_;  ///< steps of each ray so far
+  std::vector<Real> planes_;         ///< apart from the rest
+  Buffer<Real> met_;                 ///< where rays meet the first of them
+  std::unique_ptr<Field> rest_;      ///< what is marched beside planes; null where that is nothing
 };
 
 }  // namespace octomarch

@@ -1,0 +1,129 @@
+// Which cells of an octree are run: large ones where few elements come, small ones with short programs where there are many.
+// Comes before cell_groups.hpp and cell_sweep.hpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+
+#include "octomarch/base/parallel.hpp"
+#include "octomarch/kernels/block.hpp"
+#include "octomarch/program/octree.hpp"
+#include "octomarch/render/stages.hpp"
+
+namespace octomarch {
+
+/// Places that a group takes: whole batches of the widest instruction set.
+constexpr std::size_t padded_group(std::size_t count) {
+  constexpr std::size_t kBatch = kernels::kAlignment / sizeof(float);
+  return (count + kBatch - 1) / kBatch * kBatch;
+}
+
+/// Weighs what instructions and groups cost, and makes cells that have paid. One for each thread.
+template <class Real>
+class CellChoice {
+ public:
+  using Cell = typename Octree<Real>::Cell;
+  using Place = typename Octree<Real>::Place;
+
+  /// Both must outlive this.
+  CellChoice(Octree<Real>& octree, Sampler<Real>& sampler)
+      : octree_(octree), maker_(octree, sampler), unpacker_(octree.tape()) {}
+
+  Octree<Real>& octree() { return octree_; }
+
+  /// `evaluations`: of each element in its cell, as far as one can tell. Making cells can take long: where that is cancelled
+  /// none are. Counts for `stage`. Both must outlive the choices that follow.
+  void begin(double evaluations, const bool& cancelled, StageStats& stage) {
+    evaluations_ = evaluations;
+    cancelled_ = &cancelled;
+    stage_ = &stage;
+    maker_.forget_passing();
+  }
+  bool is_cancelled() const { return is_set(*cancelled_); }
+
+  /// Are a cell's elements, so many in each octant, to be run by its children? Not of a leaf.
+  bool goes_deeper(Cell& cell, const std::array<std::uint32_t, 8>& counts) {
+    if (cell.is_leaf || is_cancelled()) return false;
+    const auto* const branch = cell.branch.load(std::memory_order_acquire);
+    const double length = cell.part.length;
+    double apart = 0.0;
+    double price = 0.0;
+    std::uint32_t all = 0;
+    for (unsigned octant = 0; octant < 8; ++octant) {
+      if (counts[octant] == 0) continue;
+      all += counts[octant];
+      const Cell* const child = branch == nullptr ? nullptr : branch->children[octant].load(std::memory_order_acquire);
+      if (child != nullptr) {
+        __builtin_prefetch(child->branch.load(std::memory_order_relaxed));
+        __builtin_prefetch(child->part.code);
+        apart += cost(hoped_length(*child), counts[octant]);
+      } else {
+        apart += cost(hoped_length(cell), counts[octant]);
+        price += kCellPrice + kPruningPrice * length;
+      }
+    }
+    return is_worth(cell, cost(cell.part.length, all) - apart, price);
+  }
+
+  /// A child, until the next begin() only where the octree is full.
+  Cell& child(Cell& parent, const Place& place, unsigned octant) {
+    Cell* const known = parent.child(octant);
+    return known != nullptr ? *known : make_child(parent, place, octant);
+  }
+
+  /// What is to be run for a cell, until the next call.
+  TapePart part(const Cell& cell) { return unpacker_.ready(cell.part); }
+  void count_visits(std::size_t visits) { stage_->cells_visited += visits; }
+
+ private:
+  // Nanoseconds, about:
+  static constexpr double kGroupCost = 150.0;      ///< of a group by itself
+  static constexpr double kInstructionCost = 1.0;  ///< of an instruction of an evaluation by itself
+  static constexpr double kBatchCost = 1.6;        ///< and for each batch
+  static constexpr std::uint32_t kLanesOfBatch = 16;
+  /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
+  /// thirtieth of what it takes, since the smaller cells below it will gain more.
+  static constexpr double kCellPrice = 2000.0;
+  static constexpr double kPruningPrice = 1.0;
+  /// What is hoped for from the smaller cells below one, beside its own program, and at the least.
+  static constexpr double kHope = 0.3;
+  static constexpr double kLeast = 8.0;
+
+  double cost(double length, std::uint32_t count) const {
+    const double batches = static_cast<double>((count + kLanesOfBatch - 1) / kLanesOfBatch);
+    return kGroupCost + evaluations_ * length * (kInstructionCost + batches * kBatchCost);
+  }
+
+  static double hoped_length(const Cell& cell) {
+    const double length = cell.part.length;
+    return cell.is_leaf ? length : std::max(kHope * length, std::min(kLeast, length));
+  }
+
+  /// Are children worth their price? They are made when having done without them has cost as much, so that little is lost whether
+  /// others come or not.
+  static bool is_worth(Cell& cell, double gain, double price) {
+    if (gain <= 0.0) return false;
+    if (price == 0.0) return true;
+    const double regret = static_cast<double>(cell.regret.load(std::memory_order_relaxed)) + gain;
+    const bool is_due = regret >= price;
+    // what threads add at the same time may get lost
+    cell.regret.store(is_due ? 0.0F : static_cast<float>(regret), std::memory_order_relaxed);
+    return is_due;
+  }
+
+  Cell& make_child(Cell& parent, const Place& place, unsigned octant) {
+    const ScopedTimer timer(stage_->cell_seconds);
+    ++stage_->cells_made;
+    return maker_.child(parent, place, octant);
+  }
+
+  Octree<Real>& octree_;
+  CellMaker<Real> maker_;
+  Unpacker unpacker_;
+  double evaluations_ = 1.0;
+  const bool* cancelled_ = nullptr;
+  StageStats* stage_ = nullptr;
+};
+
+}  // namespace octomarch

@@ -1,0 +1,110 @@
+// Rays through the cells of an octree from front to back, so that a cell is marched when all rays that pass through it have
+// come. Comes before field.hpp.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "octomarch/render/cell_choice.hpp"
+#include "octomarch/render/way.hpp"
+
+namespace octomarch {
+
+/// Rays that wait in cells. Those that have to go back, since a step was too long, wait for the next sweep, and many of a cell
+/// go on together: alone, each would run two programs for itself. Keeps its memory from march to march; one for each thread.
+template <class Real>
+class CellSweep {
+ public:
+  using Cell = typename Octree<Real>::Cell;
+  using Place = typename Octree<Real>::Place;
+
+  /// `choice` must outlive this.
+  explicit CellSweep(CellChoice<Real>& choice)
+      : choice_(choice), tops_(choice.octree().tops()), at_tops_(tops_.size() + 1) {}
+
+  /// Lets a ray wait whose next sample is at a point; not where that is NaN. Rays are numbers below Way::kMost.
+  void add(std::size_t ray, Real x, Real y, Real z) {
+    if (x == x && y == y && z == z) arrived_.push_back({choice_.octree().way_to(x, y, z), ray});
+  }
+
+  /// Calls march(part, region, rays) for the rays of one cell after the other until none waits any more; march adds
+  /// those that have not ended. `nearest`: the octant that most rays come from. Where the choice is cancelled rays are left as
+  /// they are.
+  template <class March>
+  void run(unsigned nearest, March&& march) {
+    nearest_ = nearest;
+    for (bool goes_on = true; goes_on;) {
+      goes_on = false;
+      for (std::size_t top = at_tops_.size(); top-- > 0;) {  // the largest first, as rays come from afar
+        for (const Way way : arrived_) at_tops_[way.top()].push_back(way);
+        arrived_.clear();
+        Ways& rays = at_tops_[top];
+        if (rays.empty()) continue;
+        goes_on = true;
+        if (top == tops_.size()) {
+          march_cell(choice_.octree().outside(), kAllPoints<Real>, rays, march);
+        } else {
+          visit(tops_[top].cell, {&tops_[top], 0, {}}, rays, march);
+        }
+      }
+      arrived_.insert(arrived_.end(), gone_back_.begin(), gone_back_.end());
+      gone_back_.clear();
+      goes_on = goes_on || !arrived_.empty();
+    }
+  }
+
+ private:
+  using Ways = std::vector<Way>;
+
+  /// Marches the rays of a cell, or of its octants from front to back.
+  template <class March>
+  void visit(Cell& cell, const Place& place, Ways& rays, March&& march) {
+    if (cell.is_leaf) return march_cell(cell, place.region(), rays, march);
+    const unsigned level = place.level;
+    std::array<std::uint32_t, 8> counts{};
+    for (const Way way : rays) ++counts[way.octant(level)];
+    if (!choice_.goes_deeper(cell, counts)) return march_cell(cell, place.region(), rays, march);
+    std::array<Ways, 8>& octants = levels_[level];
+    const Way any = rays.front();
+    for (const Way way : rays) octants[way.octant(level)].push_back(way);
+    rays.clear();
+    std::size_t elsewhere = arrived_.size();
+    for (unsigned i = 0; i < 8; ++i) {
+      const unsigned octant = i ^ nearest_;
+      if (octants[octant].empty()) continue;
+      const Place below = place.child(octant);
+      visit(choice_.child(cell, below, octant), below, octants[octant], march);
+      for (std::size_t k = elsewhere; k < arrived_.size(); ++k) {
+        const Way way = arrived_[k];
+        if (!way.is_with(any, level)) {
+          arrived_[elsewhere++] = way;
+        } else if ((way.octant(level) ^ nearest_) > i) {
+          octants[way.octant(level)].push_back(way);
+        } else {
+          gone_back_.push_back(way);
+        }
+      }
+      arrived_.erase(arrived_.begin() + static_cast<std::ptrdiff_t>(elsewhere), arrived_.end());
+    }
+  }
+
+  template <class March>
+  void march_cell(const Cell& cell, const Region<Real>& region, Ways& rays, March&& march) {
+    choice_.count_visits(1);
+    if (!choice_.is_cancelled()) march(choice_.part(cell), region, std::span<const Way>(rays));
+    rays.clear();
+  }
+
+  CellChoice<Real>& choice_;
+  std::vector<typename Octree<Real>::Top>& tops_;
+  unsigned nearest_ = 0;
+  Ways arrived_;               ///< in no list yet
+  Ways gone_back_;             ///< to cells that this sweep has left behind
+  std::vector<Ways> at_tops_;  ///< by tops, then those outside of all
+  std::array<std::array<Ways, 8>, Octree<Real>::kLevels>
+      levels_;  ///< octants of the cell that is visited at each level
+};
+
+}  // namespace octomarch
