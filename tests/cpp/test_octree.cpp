@@ -106,16 +106,38 @@ TEST_CASE("parts are packed and unpacked as they were, unless their instructions
   Unpacker unpacker(tape);
   const std::optional<TapePart> packed = packer.pack(whole.view(), arena);
   REQUIRE(packed.has_value());
-  CHECK(arena.bytes() < 8192 + 6 * tape.code.size());
+  CHECK(arena.bytes() < 8192 + 4 * tape.code.size());
   const TapePart unpacked = unpacker.ready(*packed);
   CHECK(std::ranges::equal(unpacked.instructions(), tape.code));
+  CHECK(std::equal(whole.origins.begin(), whole.origins.end(), unpacked.origins));
   CHECK(std::equal(tape.results.begin(), tape.results.end(), unpacked.results));
   CHECK(unpacked.registers == tape.registers);
   CHECK(unpacker.ready(whole.view()).code == whole.code.data());
 
   HeldPart varied = whole;
-  for (std::size_t i = 0; i < 300; ++i) varied.code[i].out[0] = static_cast<std::uint16_t>(i);
+  for (std::size_t i = 0; i < 256; ++i) varied.code[i].out[0] = static_cast<std::uint16_t>(i);
   CHECK(!packer.pack(varied.view(), arena).has_value());
+}
+
+TEST_CASE("packed parts may come from far apart in a tape") {
+  const auto program = compile(row_of_balls(70'000, 0.25));
+  const Tape& tape = program->distance();
+  const std::size_t last = tape.code.size() - 1;
+  REQUIRE(last > 2 * 65535);
+  HeldPart part = whole_of(tape);
+  for (const std::vector<std::uint32_t>& origins :
+       {std::vector<std::uint32_t>{0, 1, 65536, 131071, 131072}, {65535, 131070}, {static_cast<std::uint32_t>(last)}}) {
+    part.origins = origins;
+    part.code.clear();
+    for (const std::uint32_t origin : origins) part.code.push_back(tape.code[origin]);
+    Arena arena;
+    Unpacker unpacker(tape);
+    const std::optional<TapePart> packed = Packer().pack(part.view(), arena);
+    REQUIRE(packed.has_value());
+    const TapePart unpacked = unpacker.ready(*packed);
+    CHECK(std::ranges::equal(unpacked.instructions(), part.code));
+    CHECK(std::equal(origins.begin(), origins.end(), unpacked.origins));
+  }
 }
 
 template <class Real>

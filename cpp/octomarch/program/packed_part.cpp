@@ -8,6 +8,14 @@ namespace octomarch {
 
 namespace {
 
+/// Stands for no instruction, where a gap is larger than the largest.
+constexpr std::uint8_t kSkip = 255;
+constexpr std::uint32_t kLargestGap = 65535;
+
+PackedInstruction pack_one(std::uint8_t pattern, std::uint32_t gap) {
+  return {pattern, {static_cast<std::uint8_t>(gap & 0xFFU), static_cast<std::uint8_t>(gap >> 8U)}};
+}
+
 std::size_t guess_at(const Instruction& pattern) {
   std::uint64_t hash = static_cast<std::uint64_t>(pattern.op);
   for (const std::uint16_t out : pattern.out) mix(hash, out);
@@ -19,17 +27,21 @@ std::size_t guess_at(const Instruction& pattern) {
 
 std::optional<TapePart> Packer::pack(const TapePart& part, Arena& arena) {
   patterns_.clear();
-  of_.clear();
+  packed_.clear();
   guesses_.fill(0);
-  for (const Instruction& instruction : part.instructions()) {
-    const std::optional<std::uint8_t> pattern = pattern_of(instruction);
+  std::uint32_t before = 0;
+  for (std::size_t i = 0; i < part.length; ++i) {
+    const std::optional<std::uint8_t> pattern = pattern_of(part.code[i]);
     if (!pattern) return std::nullopt;
-    of_.push_back(*pattern);
+    for (; part.origins[i] - before > kLargestGap; before += kLargestGap)
+      packed_.push_back(pack_one(kSkip, kLargestGap));
+    packed_.push_back(pack_one(*pattern, part.origins[i] - before));
+    before = part.origins[i];
   }
   TapePart packed = part;
   packed.code = arena.copy(std::span<const Instruction>(patterns_));
-  packed.patterns = arena.copy(std::span<const std::uint8_t>(of_));
-  packed.origins = arena.copy(std::span(part.origins, part.length));
+  packed.packed = arena.copy(std::span<const PackedInstruction>(packed_));
+  packed.origins = nullptr;
   packed.results = arena.copy(std::span(part.results, part.result_count));
   return packed;
 }
@@ -41,22 +53,35 @@ std::optional<std::uint8_t> Packer::pattern_of(const Instruction& instruction) {
   if (guess < patterns_.size() && patterns_[guess] == pattern) return guess;
   const auto known = std::find(patterns_.begin(), patterns_.end(), pattern);
   const auto index = static_cast<std::size_t>(known - patterns_.begin());
-  if (index == guesses_.size()) return std::nullopt;
+  if (index == kSkip) return std::nullopt;
   if (known == patterns_.end()) patterns_.push_back(pattern);
   guess = static_cast<std::uint8_t>(index);
   return guess;
 }
 
+Unpacker::Unpacker(const Tape& tape) : constants_(tape.code.size()) {
+  std::ranges::transform(tape.code, constants_.begin(), &Instruction::constants);
+}
+
 TapePart Unpacker::ready(const TapePart& part) {
-  if (part.patterns == nullptr) return part;
-  code_.resize(part.length);
-  for (std::size_t i = 0; i < part.length; ++i) {
-    code_[i] = part.code[part.patterns[i]];
-    code_[i].constants = tape_.code[part.origins[i]].constants;
+  if (part.packed == nullptr) return part;
+  if (code_.size() < part.length) {
+    code_.resize(part.length);
+    origins_.resize(part.length);
+  }
+  std::uint32_t origin = 0;
+  const PackedInstruction* next = part.packed;
+  for (std::size_t i = 0; i < part.length; ++next) {
+    origin += next->gap[0] + std::uint32_t{next->gap[1]} * 256;
+    if (next->pattern == kSkip) continue;
+    code_[i] = part.code[next->pattern];
+    code_[i].constants = constants_[origin];
+    origins_[i++] = origin;
   }
   TapePart unpacked = part;
   unpacked.code = code_.data();
-  unpacked.patterns = nullptr;
+  unpacked.packed = nullptr;
+  unpacked.origins = origins_.data();
   return unpacked;
 }
 

@@ -1,5 +1,5 @@
-// Long parts in a fifth of their memory, for those that are rarely run but wait to be pruned: the instructions of a part differ in
-// little but where they come from. prune.hpp comes before, the octree keeps them.
+// Parts in an eighth of their memory, for those that are run less than they wait to be pruned: the instructions of a part differ
+// in little but where they come from. prune.hpp comes before, the octree keeps them.
 #pragma once
 
 #include <array>
@@ -21,23 +21,24 @@ class Packer {
  private:
   std::optional<std::uint8_t> pattern_of(const Instruction& instruction);
 
-  std::vector<Instruction> patterns_;      ///< instructions but for their constants
-  std::vector<std::uint8_t> of_;           ///< each instruction's pattern
+  std::vector<Instruction> patterns_;  ///< instructions but for their constants
+  std::vector<PackedInstruction> packed_;
   std::array<std::uint8_t, 256> guesses_;  ///< by hash
 };
 
 /// Unpacks parts, one at a time.
 class Unpacker {
  public:
-  /// `tape` must outlive this.
-  explicit Unpacker(const Tape& tape) : tape_(tape) {}
+  /// O(tape).
+  explicit Unpacker(const Tape& tape);
 
   /// The part ready to be run or pruned, until the next call. O(length) where it is packed, else O(1).
   TapePart ready(const TapePart& part);
 
  private:
-  const Tape& tape_;
+  std::vector<std::uint32_t> constants_;  ///< of the tape's instructions
   std::vector<Instruction> code_;
+  std::vector<std::uint32_t> origins_;
 };
 
 }  // namespace octomarch

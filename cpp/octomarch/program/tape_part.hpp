@@ -2,6 +2,7 @@
 // them.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,11 +11,19 @@
 
 namespace octomarch {
 
+/// An instruction of a packed part, three bytes; see packed_part.hpp.
+struct PackedInstruction {
+  std::uint8_t pattern;
+  std::array<std::uint8_t, 2>
+      gap;  ///< to where it stands in the tape from where the one before stands, the low byte first
+};
+
 /// Instructions and registers of a part of a tape, which somebody else holds; constants, images and inputs are the tape's.
 struct TapePart {
-  const Instruction* code = nullptr;       ///< where `patterns` is not null: as many as there are patterns
-  const std::uint8_t* patterns = nullptr;  ///< of each instruction, in parts that are packed; see packed_part.hpp
-  const std::uint32_t* origins = nullptr;  ///< where each instruction stands in the tape; null in parts that are final
+  const Instruction* code = nullptr;          ///< in packed parts: one of each pattern
+  const PackedInstruction* packed = nullptr;  ///< null in parts that are not
+  const std::uint32_t* origins =
+      nullptr;  ///< where each instruction stands in the tape; null in packed parts and final ones
   const std::uint16_t* results = nullptr;
   std::uint32_t length = 0;
   std::uint16_t result_count = 0;
