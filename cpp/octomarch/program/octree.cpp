@@ -118,6 +118,7 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
   double half = 0.5 * longest_side(focus) * kRoomAbout;
   for (Top& top : tops_) {
     top.size = static_cast<Real>(2.0 * half / static_cast<double>(kAcross<Real>));
+    top.per_size = Real(1) / top.size;
     double farthest = 0.0;
     for (unsigned axis = 0; axis < 3; ++axis) {
       top.lo[axis] = static_cast<Real>(middle[axis] - half);
@@ -135,17 +136,15 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
 
 template <class Real>
 std::uint64_t Octree<Real>::way_to(Real x, Real y, Real z) const {
-  const Real point[3] = {x, y, z};
   for (std::size_t i = 0; i < tops_.size(); ++i) {
     const Top& top = tops_[i];
-    std::uint64_t way = 0;
-    bool is_within = true;
-    for (unsigned axis = 0; axis < 3; ++axis) {
-      const Real cells = (point[axis] - top.lo[axis]) / top.size;
-      is_within = is_within && cells >= Real(0) && cells < kAcross<Real>;
-      if (is_within) way |= spread(static_cast<std::uint32_t>(cells)) << axis;
-    }
-    if (is_within) return static_cast<std::uint64_t>(i) << kWayBits | way;
+    const Real cells[3] = {(x - top.lo[0]) * top.per_size, (y - top.lo[1]) * top.per_size,
+                           (z - top.lo[2]) * top.per_size};
+    const auto is_within = [](Real at) { return (at >= Real(0)) & (at < kAcross<Real>); };
+    if (!(is_within(cells[0]) & is_within(cells[1]) & is_within(cells[2]))) continue;
+    std::uint64_t way = static_cast<std::uint64_t>(i) << kWayBits;
+    for (unsigned axis = 0; axis < 3; ++axis) way |= spread(static_cast<std::uint32_t>(cells[axis])) << axis;
+    return way;
   }
   return static_cast<std::uint64_t>(tops_.size()) << kWayBits;
 }

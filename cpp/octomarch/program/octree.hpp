@@ -51,8 +51,9 @@ class Octree {
   /// One of the largest cells, a cube: points that it holds and those before it do not are looked for below it.
   struct Top {
     Real lo[3];
-    Real size;  ///< of its smallest cells
-    Real room;  ///< by which regions are larger than cells, since places of points are rounded
+    Real size;      ///< of its smallest cells
+    Real per_size;  ///< 1 / size
+    Real room;      ///< by which regions are larger than cells, since places of points are rounded
     Cell cell;
     std::once_flag is_walked;
     std::vector<Margin> margins;  ///< of the tape, where it is run at points of the cell; made when first asked for

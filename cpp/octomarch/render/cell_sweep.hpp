@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "octomarch/render/cell_choice.hpp"
@@ -26,7 +27,7 @@ class CellSweep {
 
   /// Lets a ray wait whose next sample is at a point; not where that is NaN. Rays are numbers below Way::kMost.
   void add(std::size_t ray, Real x, Real y, Real z) {
-    if (x == x && y == y && z == z) arrived_.push_back({choice_.octree().way_to(x, y, z), ray});
+    if (x == x && y == y && z == z) arrived_.push({choice_.octree().way_to(x, y, z), ray});
   }
 
   /// Calls march(part, region, rays) for the rays of one cell after the other until none waits any more; march adds
@@ -38,10 +39,10 @@ class CellSweep {
     for (bool goes_on = true; goes_on;) {
       goes_on = false;
       for (std::size_t top = at_tops_.size(); top-- > 0;) {  // the largest first, as rays come from afar
-        for (const Way way : arrived_) at_tops_[way.top()].push_back(way);
+        for (const Way way : arrived_) at_tops_[way.top()].push(way);
         arrived_.clear();
         Ways& rays = at_tops_[top];
-        if (rays.empty()) continue;
+        if (rays.is_empty()) continue;
         goes_on = true;
         if (top == tops_.size()) {
           march_cell(choice_.octree().outside(), kAllPoints<Real>, rays, march);
@@ -49,15 +50,13 @@ class CellSweep {
           visit(tops_[top].cell, {&tops_[top], 0, {}}, rays, march);
         }
       }
-      arrived_.insert(arrived_.end(), gone_back_.begin(), gone_back_.end());
+      for (const Way way : gone_back_) arrived_.push(way);
       gone_back_.clear();
-      goes_on = goes_on || !arrived_.empty();
+      goes_on = goes_on || !arrived_.is_empty();
     }
   }
 
  private:
-  using Ways = std::vector<Way>;
-
   /// Marches the rays of a cell, or of its octants from front to back.
   template <class March>
   void visit(Cell& cell, const Place& place, Ways& rays, March&& march) {
@@ -67,13 +66,12 @@ class CellSweep {
     for (const Way way : rays) ++counts[way.octant(level)];
     if (!choice_.goes_deeper(cell, counts)) return march_cell(cell, place.region(), rays, march);
     std::array<Ways, 8>& octants = levels_[level];
-    const Way any = rays.front();
-    for (const Way way : rays) octants[way.octant(level)].push_back(way);
-    rays.clear();
+    const Way any = *rays.begin();
+    divide(rays, level, counts, octants);
     std::size_t elsewhere = arrived_.size();
     for (unsigned i = 0; i < 8; ++i) {
       const unsigned octant = i ^ nearest_;
-      if (octants[octant].empty()) continue;
+      if (octants[octant].is_empty()) continue;
       const Place below = place.child(octant);
       visit(choice_.child(cell, below, octant), below, octants[octant], march);
       for (std::size_t k = elsewhere; k < arrived_.size(); ++k) {
@@ -81,19 +79,30 @@ class CellSweep {
         if (!way.is_with(any, level)) {
           arrived_[elsewhere++] = way;
         } else if ((way.octant(level) ^ nearest_) > i) {
-          octants[way.octant(level)].push_back(way);
+          octants[way.octant(level)].push(way);
         } else {
-          gone_back_.push_back(way);
+          gone_back_.push(way);
         }
       }
-      arrived_.erase(arrived_.begin() + static_cast<std::ptrdiff_t>(elsewhere), arrived_.end());
+      arrived_.keep_first(elsewhere);
     }
+  }
+
+  /// Moves the rays of a cell to its octants.
+  static void divide(Ways& rays, unsigned level, const std::array<std::uint32_t, 8>& counts,
+                     std::array<Ways, 8>& octants) {
+    const unsigned first = rays.begin()->octant(level);
+    if (counts[first] == rays.size()) return std::swap(rays, octants[first]);
+    std::array<Way*, 8> next;
+    for (unsigned octant = 0; octant < 8; ++octant) next[octant] = octants[octant].append(counts[octant]);
+    for (const Way way : rays) *next[way.octant(level)]++ = way;
+    rays.clear();
   }
 
   template <class March>
   void march_cell(const Cell& cell, const Region<Real>& region, Ways& rays, March&& march) {
     choice_.count_visits(1);
-    if (!choice_.is_cancelled()) march(choice_.part(cell), region, std::span<const Way>(rays));
+    if (!choice_.is_cancelled()) march(choice_.part(cell), region, std::span(rays.begin(), rays.size()));
     rays.clear();
   }
 

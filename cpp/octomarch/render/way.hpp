@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "octomarch/program/octree.hpp"
 
@@ -18,6 +19,7 @@ class Way {
   /// Elements are numbers below this.
   static constexpr std::size_t kMost = std::size_t{1} << kElementBits;
 
+  Way() = default;
   Way(std::uint64_t way, std::size_t element) : bits_(way << kElementBits | element) {}
 
   std::size_t element() const { return bits_ & (kMost - 1); }
@@ -33,7 +35,32 @@ class Way {
   friend auto operator<=>(const Way&, const Way&) = default;
 
  private:
-  std::uint64_t bits_;
+  std::uint64_t bits_ = 0;
+};
+
+/// Ways in a row, whose memory stays when they are cleared.
+class Ways {
+ public:
+  bool is_empty() const { return size_ == 0; }
+  std::size_t size() const { return size_; }
+  const Way* begin() const { return ways_.data(); }
+  Way operator[](std::size_t k) const { return ways_[k]; }
+  Way& operator[](std::size_t k) { return ways_[k]; }
+  const Way* end() const { return ways_.data() + size_; }
+
+  void clear() { size_ = 0; }
+  void push(Way way) { *append(1) = way; }
+  /// Room for so many more, which are to be written.
+  Way* append(std::size_t count) {
+    if (size_ + count > ways_.size()) ways_.resize(2 * (size_ + count));
+    size_ += count;
+    return ways_.data() + size_ - count;
+  }
+  void keep_first(std::size_t count) { size_ = count; }
+
+ private:
+  std::vector<Way> ways_;
+  std::size_t size_ = 0;
 };
 
 }  // namespace octomarch
