@@ -7,9 +7,10 @@ new; ``clock`` is the first picture by the clock, on as many threads as there ar
 
 import argparse
 import json
+import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +19,7 @@ import numpy as np
 import cells_tables
 import machine
 import octomarch as om
-from spheres import SMOOTH, balls
+from spheres import DIRECTION, FOV, SMOOTH, VOLUME_PER_BALL, balls
 
 SIZE = (640, 480)
 PICTURES = 8
@@ -49,13 +50,26 @@ class Case:
 def sparse(n: int) -> Case:
     """Scene C."""
     recipe = balls(n)
-    camera = om.Camera(recipe.eye, (0, 0, 0), fov=45)
+    camera = om.Camera(recipe.eye, (0, 0, 0), fov=FOV)
     march = om.March(max_distance=recipe.max_distance)
 
     def build(offset: float) -> om.Shape:
         return om.spheres(recipe.centers + np.float32(offset), recipe.radii, smooth=SMOOTH)
 
     return Case(f"scene C, {n:,} balls", build, camera, march=march)
+
+
+def near(n: int) -> Case:
+    """Look from as far from the nearest corner as at 200 balls: they are as large, and few gaps are left between them."""
+
+    def to_corner(count: int) -> float:
+        edge = (count * VOLUME_PER_BALL) ** (1 / 3)
+        return edge / 2 * sum(DIRECTION)
+
+    distance = to_corner(n) + math.hypot(*balls(200).eye) - to_corner(200)
+    x, y, z = (distance * along for along in DIRECTION)
+    case = sparse(n)
+    return replace(case, name=f"nearer, {n:,} balls", camera=om.Camera((x, y, z), (0, 0, 0), fov=FOV))
 
 
 def dense(n: int) -> Case:
@@ -98,6 +112,7 @@ def cases(largest: int) -> list[Case]:
     counts = [n for n in (200, 2000, 10_000, 100_000) if n <= largest]
     return [
         *(sparse(n) for n in counts),
+        *(near(n) for n in counts if n > 200),
         *(dense(n) for n in counts),
         Case("300 turned boxes on a floor, shaded", turned_boxes, NEAR, ("color",), SUN),
         Case("10 stars carved into a drum, shaded", stars, NEAR, ("color",), SUN),
@@ -142,6 +157,7 @@ def measure(case: Case) -> Row:
         "last": float(median[-1]),
         "clock": float(np.median(clocks)),
         "whole": whole,
+        "evaluations": stats[-1]["evaluations"],
         "cells": [cells[0], sum(cells)],
         "bytes": [stats[0]["cell_bytes"], stats[-1]["cell_bytes"]],
     }

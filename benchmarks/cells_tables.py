@@ -2,7 +2,7 @@
 
 from typing import Any
 
-_COLUMNS = ("case", "instructions", "first", "next", "last", "clock", "whole", "cells", "bytes")
+_COLUMNS = ("case", "instructions", "first", "next", "last", "clock", "whole", "evaluations", "cells", "bytes")
 
 
 def check(result: Any, name: str) -> None:
@@ -27,10 +27,11 @@ def _ms(seconds: float | None) -> str:
 
 
 def _table(result: Any) -> str:
-    heads = ("", "instructions", "first picture", "next", f"{result['pictures']}th", "whole program", "MB", "MB then")
+    last = f"{result['pictures']}th"
+    heads = ("", "instructions", "first picture", "next", last, "whole program", "evaluations, 10⁶", "MB", "MB then")
     lines = ["| " + " | ".join(heads) + " |", "|---" + "|---:" * (len(heads) - 1) + "|"]
     for row in result["rows"]:
         times = (_ms(row[key]) for key in ("first", "next", "last", "whole"))
-        memory = (f"{size / 1e6:.1f}" for size in row["bytes"])
-        lines.append(f"| {row['case']} | {row['instructions']:,} | " + " | ".join([*times, *memory]) + " |")
+        counts = (f"{count / 1e6:.1f}" for count in (row["evaluations"], *row["bytes"]))
+        lines.append(f"| {row['case']} | {row['instructions']:,} | " + " | ".join([*times, *counts]) + " |")
     return "\n".join(lines)
