@@ -59,7 +59,7 @@ TEST_CASE_TEMPLATE("a point lies in the regions of all cells on its way", Real, 
       CHECK(contains(place.region(), p[0], p[1], p[2]));
       for (unsigned level = 0; level < Octree<Real>::kLevels; ++level) {
         const Region<Real> before = place.region();
-        place = place.child(Octree<Real>::octant_of(way, level));
+        place = place.child(Way(way, 0).octant(level));
         const Region<Real> region = place.region();
         CHECK(contains(region, p[0], p[1], p[2]));
         CHECK(contains(before, region.lo[0], region.lo[1], region.lo[2]));
@@ -88,7 +88,7 @@ TEST_CASE_TEMPLATE("small cells have short programs, however far one can look", 
     typename Octree<Real>::Place place{octree.tops().data(), 0, {}};
     typename Octree<Real>::Cell* cell = &place.top->cell;
     while (!cell->is_leaf) {
-      const unsigned octant = Octree<Real>::octant_of(way, place.level);
+      const unsigned octant = Way(way, 0).octant(place.level);
       place = place.child(octant);
       cell = &maker.child(*cell, place, octant);
     }
@@ -98,15 +98,17 @@ TEST_CASE_TEMPLATE("small cells have short programs, however far one can look", 
 }
 
 TEST_CASE("parts are packed and unpacked as they were, unless their instructions differ too much") {
-  const auto program = compile(row_of_balls(500, 0.25));
+  const auto program = compile(row_of_balls(20'000, 0.25));
   const Tape& tape = program->distance();
   const HeldPart whole = whole_of(tape);
   Arena arena;
   Packer packer;
-  Unpacker unpacker(tape);
+  const std::vector<std::uint32_t> constants = constants_of(tape);
+  Unpacker unpacker(constants);
   const std::optional<TapePart> packed = packer.pack(whole.view(), arena);
   REQUIRE(packed.has_value());
-  CHECK(arena.bytes() < 8192 + 4 * tape.code.size());
+  // a block for the patterns, one for three bytes an instruction, and one as large as both
+  CHECK(arena.bytes() <= 2 * (4096 + 3 * tape.code.size()));
   const TapePart unpacked = unpacker.ready(*packed);
   CHECK(std::ranges::equal(unpacked.instructions(), tape.code));
   CHECK(std::equal(whole.origins.begin(), whole.origins.end(), unpacked.origins));
@@ -114,29 +116,45 @@ TEST_CASE("parts are packed and unpacked as they were, unless their instructions
   CHECK(unpacked.registers == tape.registers);
   CHECK(unpacker.ready(whole.view()).code == whole.code.data());
 
+  // 255 patterns fit into a byte that has to stand for something else too; a part of as many patterns as that has no use for any
   HeldPart varied = whole;
-  for (std::size_t i = 0; i < 256; ++i) varied.code[i].out[0] = static_cast<std::uint16_t>(i);
+  const auto vary = [&](std::size_t patterns) {
+    for (std::size_t i = 0; i < varied.code.size(); ++i) {
+      varied.code[i].out[0] = static_cast<std::uint16_t>(i % patterns);
+      varied.code[i].op = Opcode::kUnion;
+      varied.code[i].in = {};
+    }
+  };
+  vary(255);
+  const std::optional<TapePart> most = packer.pack(varied.view(), arena);
+  REQUIRE(most.has_value());
+  CHECK(std::ranges::equal(unpacker.ready(*most).instructions(), varied.code));
+  vary(256);
+  CHECK(!packer.pack(varied.view(), arena).has_value());
+  varied.code.resize(20);
+  varied.origins.resize(20);
   CHECK(!packer.pack(varied.view(), arena).has_value());
 }
 
 TEST_CASE("packed parts may come from far apart in a tape") {
   const auto program = compile(row_of_balls(70'000, 0.25));
   const Tape& tape = program->distance();
-  const std::size_t last = tape.code.size() - 1;
-  REQUIRE(last > 2 * 65535);
-  HeldPart part = whole_of(tape);
-  for (const std::vector<std::uint32_t>& origins :
-       {std::vector<std::uint32_t>{0, 1, 65536, 131071, 131072}, {65535, 131070}, {static_cast<std::uint32_t>(last)}}) {
-    part.origins = origins;
+  const std::vector<std::uint32_t> constants = constants_of(tape);
+  Unpacker unpacker(constants);
+  for (const std::vector<std::uint32_t>& gaps : std::initializer_list<std::vector<std::uint32_t>>{
+           {65535}, {65536}, {65537}, {131070, 1}, {131071}, {1, 65536, 2, 65537, 1}, {139'000}}) {
+    HeldPart part = whole_of(tape);
+    part.origins.resize(20);
+    for (const std::uint32_t gap : gaps) part.origins.push_back(part.origins.back() + gap);
+    REQUIRE(part.origins.back() < tape.code.size());
     part.code.clear();
-    for (const std::uint32_t origin : origins) part.code.push_back(tape.code[origin]);
+    for (const std::uint32_t origin : part.origins) part.code.push_back(tape.code[origin]);
     Arena arena;
-    Unpacker unpacker(tape);
     const std::optional<TapePart> packed = Packer().pack(part.view(), arena);
     REQUIRE(packed.has_value());
     const TapePart unpacked = unpacker.ready(*packed);
     CHECK(std::ranges::equal(unpacked.instructions(), part.code));
-    CHECK(std::equal(origins.begin(), origins.end(), unpacked.origins));
+    CHECK(std::equal(part.origins.begin(), part.origins.end(), unpacked.origins));
   }
 }
 
@@ -165,7 +183,8 @@ TEST_CASE_TEMPLATE("threads that make cells at the same time lose none", Real, f
       threads.emplace_back([&, thread] {
         Random random(thread / 2);  // two and two have the same points
         Runner<Real> runner(tape);
-        CellGroups<Real> groups(octree, runner);
+        CellChoice<Real> choice(octree, runner);
+        CellGroups<Real> groups(choice);
         StageStats stage;
         const bool never = false;
         for (int round = 0; round < 8; ++round) {
@@ -199,7 +218,8 @@ TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float
   for (auto& p : points)
     for (std::size_t axis = 0; axis < 3; ++axis) p[axis] = number_in(all.lo[axis], all.hi[axis], random);
   const auto lengths_of_rounds = [&](Octree<Real>& octree) {
-    CellGroups<Real> groups(octree, runner);
+    CellChoice<Real> choice(octree, runner);
+    CellGroups<Real> groups(choice);
     StageStats stage;
     std::vector<std::size_t> lengths;
     for (int round = 0; round < 20; ++round) {

@@ -12,12 +12,12 @@
 namespace octomarch {
 namespace {
 
-using Ways = std::vector<std::pair<std::uint64_t, std::size_t>>;
+using Pairs = std::vector<std::pair<std::uint64_t, std::size_t>>;
 constexpr unsigned kWayBits = Octree<float>::kWayBits;
 
-/// Ways that have much in common, as neighbouring rays' have.
-Ways some_ways(std::size_t count, std::mt19937_64& random) {
-  Ways ways;
+/// Pairs that have much in common, as neighbouring rays' have.
+Pairs some_ways(std::size_t count, std::mt19937_64& random) {
+  Pairs ways;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint64_t kept = ~std::uint64_t{0} << (3 * (random() % 14));
     const std::uint64_t top = random() % 3;
@@ -30,7 +30,7 @@ TEST_CASE("ways are sorted, equal ones by their elements") {
   std::mt19937_64 random(4);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   SortedWays sorted;
   for (const std::size_t count : {0UL, 1UL, 2UL, 95UL, 96UL, 5000UL, 5UL}) {
-    Ways ways = some_ways(count, random);
+    Pairs ways = some_ways(count, random);
     sorted.clear();
     for (const auto& [way, element] : ways) sorted.add({way, element});
     sorted.sort();
@@ -43,7 +43,7 @@ TEST_CASE("ways are sorted, equal ones by their elements") {
 TEST_CASE("octants are where their ways begin and end") {
   std::mt19937_64 random(5);  // NOLINT(bugprone-random-generator-seed): likewise
   for (const std::size_t count : {1UL, 10UL, 400UL}) {
-    Ways ways = some_ways(count, random);
+    Pairs ways = some_ways(count, random);
     SortedWays sorted;
     for (const auto& [way, element] : ways) sorted.add({way, element});
     sorted.sort();
@@ -59,7 +59,7 @@ TEST_CASE("octants are where their ways begin and end") {
         CHECK(bounds.back() == end);
         for (unsigned octant = 0; octant < 8; ++octant) {
           for (std::size_t k = bounds[octant]; k < bounds[octant + 1]; ++k) {
-            CHECK(Octree<float>::octant_of(ways[k].first, 0) == octant);
+            CHECK(Way(ways[k].first, 0).octant(0) == octant);
           }
         }
       }

@@ -18,6 +18,12 @@ namespace octomarch::kernels {
 
 constexpr std::size_t padded_lanes(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
+/// Lanes of a batch of the widest instruction set.
+inline constexpr std::size_t kWidestBatch = kAlignment / sizeof(float);
+constexpr std::size_t padded_batches(std::size_t count) {
+  return (count + kWidestBatch - 1) / kWidestBatch * kWidestBatch;
+}
+
 /// Texels of an image, RGB after RGB, row 0 at the top; or samples of a grid, width × height × depth along x, y and z, the
 /// last changing fastest.
 struct ImageView {

@@ -20,8 +20,8 @@ namespace octomarch::kernels::OCTOMARCH_ISA {
 template <class Real, class Steps, class Task>
 class Marcher {
   using T = Lanes<Real>;
-  /// So many rays of a cell at the most are marched where they lie: one batch of the widest instruction set.
-  static constexpr std::size_t kInPlace = 16;
+  /// So many rays of a cell at the most are marched where they lie.
+  static constexpr std::size_t kInPlace = kWidestBatch;
 
  public:
   Marcher(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,

@@ -31,7 +31,6 @@ constexpr std::size_t kMostBytesOfInstruction = 2048;
 constexpr double kRoomAbout = 1.125;
 /// Each is so much larger than the one before.
 constexpr double kGrowth = 4.0;
-constexpr std::size_t kTops = 24;  // beyond which nobody looks
 /// Smallest cells across one.
 template <class Real>
 constexpr Real kAcross = static_cast<Real>(1U << Octree<Real>::kLevels);
@@ -108,7 +107,8 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
     : tape_(tape),
       focus_size_(static_cast<Real>(longest_side(focus))),
       most_bytes_(most_bytes),
-      whole_(whole_of(tape)) {
+      whole_(whole_of(tape)),
+      constants_(constants_of(tape)) {
   constexpr double kFarthest = static_cast<double>(std::numeric_limits<Real>::max()) / 16.0;
   outside_.part = whole_.view();
   outside_.is_leaf = true;
@@ -131,7 +131,7 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
   }
   cells_ = 1 + tops_.size();
   bytes_ =
-      sizeof(*this) + tops_.size() * sizeof(Top) + tape.code.size() * (sizeof(Instruction) + sizeof(std::uint32_t));
+      sizeof(*this) + tops_.size() * sizeof(Top) + tape.code.size() * (sizeof(Instruction) + 2 * sizeof(std::uint32_t));
 }
 
 template <class Real>
@@ -193,7 +193,7 @@ bool Octree<Real>::is_small(const Place& place) const {
 
 template <class Real>
 CellMaker<Real>::CellMaker(Octree<Real>& octree, Sampler<Real>& sampler)
-    : octree_(octree), pruner_(octree.tape(), &sampler), unpacker_(octree.tape()), arena_(octree.lend()) {}
+    : octree_(octree), pruner_(octree.tape(), &sampler), unpacker_(octree.constants()), arena_(octree.lend()) {}
 
 template <class Real>
 CellMaker<Real>::~CellMaker() {

@@ -12,6 +12,7 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <span>
 #include <tuple>
 #include <vector>
 
@@ -30,13 +31,14 @@ class Octree {
  public:
   /// Halvings of a largest cell, at the most.
   static constexpr unsigned kLevels = 13;
+  static constexpr std::size_t kTops = 24;  ///< largest cells, beyond which nobody looks
 
   struct Branch;
   /// One cache line: whoever passes by looks at all of it.
   struct alignas(Arena::kAlignment) Cell {
     TapePart part;                         ///< of the tape, that decides in the cell's region
     std::atomic<Branch*> branch{nullptr};  ///< its children
-    /// What runs of the part have cost so far that would have been cheaper in children, had there been any; see CellGroups.
+    /// What runs of the part have cost so far that would have been cheaper in children, had there been any; see CellChoice.
     std::atomic<float> regret{0.0F};
     std::uint8_t stalled = 0;  ///< ancestors in a row, and itself, that left much of what they had
     bool is_leaf = false;
@@ -77,6 +79,8 @@ class Octree {
   Octree(const Octree&) = delete;
 
   const Tape& tape() const { return tape_; }
+  /// Of the tape's instructions, for unpackers of parts.
+  std::span<const std::uint32_t> constants() const { return constants_; }
 
   /// The largest cells, each about the one before.
   std::vector<Top>& tops() { return tops_; }
@@ -86,9 +90,6 @@ class Octree {
   /// that say which octant. The numbers of points in one cell follow each other. O(tops).
   std::uint64_t way_to(Real x, Real y, Real z) const;
   static constexpr unsigned kWayBits = 3 * kLevels;
-  static constexpr unsigned octant_of(std::uint64_t way, unsigned level) {
-    return static_cast<unsigned>(way >> (3 * (kLevels - 1 - level))) & 7U;
-  }
 
   /// Has memory ended?
   bool is_full() const;
@@ -109,6 +110,7 @@ class Octree {
   Real focus_size_;
   std::size_t most_bytes_;
   HeldPart whole_;
+  std::vector<std::uint32_t> constants_;
   std::atomic<std::size_t> cells_{0};
   std::atomic<std::size_t> bytes_{0};
   std::mutex mutex_;                            ///< of the next two

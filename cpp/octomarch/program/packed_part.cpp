@@ -38,6 +38,7 @@ std::optional<TapePart> Packer::pack(const TapePart& part, Arena& arena) {
     packed_.push_back(pack_one(*pattern, part.origins[i] - before));
     before = part.origins[i];
   }
+  if (patterns_.size() > part.length / 2) return std::nullopt;
   TapePart packed = part;
   packed.code = arena.copy(std::span<const Instruction>(patterns_));
   packed.packed = arena.copy(std::span<const PackedInstruction>(packed_));
@@ -59,8 +60,10 @@ std::optional<std::uint8_t> Packer::pattern_of(const Instruction& instruction) {
   return guess;
 }
 
-Unpacker::Unpacker(const Tape& tape) : constants_(tape.code.size()) {
-  std::ranges::transform(tape.code, constants_.begin(), &Instruction::constants);
+std::vector<std::uint32_t> constants_of(const Tape& tape) {
+  std::vector<std::uint32_t> constants(tape.code.size());
+  std::ranges::transform(tape.code, constants.begin(), &Instruction::constants);
+  return constants;
 }
 
 TapePart Unpacker::ready(const TapePart& part) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "octomarch/base/arena.hpp"
@@ -15,7 +16,7 @@ namespace octomarch {
 /// Packs parts; keeps its memory from call to call.
 class Packer {
  public:
-  /// The same part packed, in the arena; nothing where its instructions differ too much. O(length).
+  /// The same part packed, in the arena; nothing where its instructions differ too much to gain by it. O(length).
   std::optional<TapePart> pack(const TapePart& part, Arena& arena);
 
  private:
@@ -26,17 +27,20 @@ class Packer {
   std::array<std::uint8_t, 256> guesses_;  ///< by hash
 };
 
+/// Where the constants of each instruction of a tape begin. O(tape).
+std::vector<std::uint32_t> constants_of(const Tape& tape);
+
 /// Unpacks parts, one at a time.
 class Unpacker {
  public:
-  /// O(tape).
-  explicit Unpacker(const Tape& tape);
+  /// `constants`: of the tape. They must outlive this.
+  explicit Unpacker(std::span<const std::uint32_t> constants) : constants_(constants) {}
 
   /// The part ready to be run or pruned, until the next call. O(length) where it is packed, else O(1).
   TapePart ready(const TapePart& part);
 
  private:
-  std::vector<std::uint32_t> constants_;  ///< of the tape's instructions
+  std::span<const std::uint32_t> constants_;  // rather than the tape, of which they are a fifth: they stay in the cache
   std::vector<Instruction> code_;
   std::vector<std::uint32_t> origins_;
 };

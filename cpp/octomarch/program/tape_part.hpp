@@ -14,16 +14,17 @@ namespace octomarch {
 /// An instruction of a packed part, three bytes; see packed_part.hpp.
 struct PackedInstruction {
   std::uint8_t pattern;
-  std::array<std::uint8_t, 2>
-      gap;  ///< to where it stands in the tape from where the one before stands, the low byte first
+  /// From where the one before stands in the tape to where this one does, the low byte first.
+  std::array<std::uint8_t, 2> gap;
 };
+static_assert(sizeof(PackedInstruction) == 3);
 
 /// Instructions and registers of a part of a tape, which somebody else holds; constants, images and inputs are the tape's.
 struct TapePart {
   const Instruction* code = nullptr;          ///< in packed parts: one of each pattern
   const PackedInstruction* packed = nullptr;  ///< null in parts that are not
-  const std::uint32_t* origins =
-      nullptr;  ///< where each instruction stands in the tape; null in packed parts and final ones
+  /// Where each instruction stands in the tape, ascending; null in packed parts and in final ones.
+  const std::uint32_t* origins = nullptr;
   const std::uint16_t* results = nullptr;
   std::uint32_t length = 0;
   std::uint16_t result_count = 0;

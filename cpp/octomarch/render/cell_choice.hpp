@@ -4,20 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "octomarch/base/parallel.hpp"
-#include "octomarch/kernels/block.hpp"
+#include "octomarch/kernels/api.hpp"
 #include "octomarch/program/octree.hpp"
 #include "octomarch/render/stages.hpp"
 
 namespace octomarch {
-
-/// Places that a group takes: whole batches of the widest instruction set.
-constexpr std::size_t padded_group(std::size_t count) {
-  constexpr std::size_t kBatch = kernels::kAlignment / sizeof(float);
-  return (count + kBatch - 1) / kBatch * kBatch;
-}
 
 /// Weighs what instructions and groups cost, and makes cells that have paid. One for each thread.
 template <class Real>
@@ -28,23 +23,25 @@ class CellChoice {
 
   /// Both must outlive this.
   CellChoice(Octree<Real>& octree, Sampler<Real>& sampler)
-      : octree_(octree), maker_(octree, sampler), unpacker_(octree.tape()) {}
+      : octree_(octree), maker_(octree, sampler), unpacker_(octree.constants()) {}
 
   Octree<Real>& octree() { return octree_; }
 
-  /// `evaluations`: of each element in its cell, as far as one can tell. Making cells can take long: where that is cancelled
-  /// none are. Counts for `stage`. Both must outlive the choices that follow.
+  /// `evaluations`: of each element in its cell, as far as one can tell. Counts for `stage`. Whoever chooses asks
+  /// is_cancelled() before each child, since making one can take long. Both must outlive the choices that follow.
   void begin(double evaluations, const bool& cancelled, StageStats& stage) {
     evaluations_ = evaluations;
     cancelled_ = &cancelled;
     stage_ = &stage;
-    maker_.forget_passing();
+    forget_passing();
   }
   bool is_cancelled() const { return is_set(*cancelled_); }
+  /// Gives up the cells that were made for the moment, where the octree is full.
+  void forget_passing() { maker_.forget_passing(); }
 
-  /// Are a cell's elements, so many in each octant, to be run by its children? Not of a leaf.
+  /// Are a cell's elements, so many in each octant, to be run by its children? For cells that are no leaves.
   bool goes_deeper(Cell& cell, const std::array<std::uint32_t, 8>& counts) {
-    if (cell.is_leaf || is_cancelled()) return false;
+    if (is_cancelled()) return false;
     const auto* const branch = cell.branch.load(std::memory_order_acquire);
     const double length = cell.part.length;
     double apart = 0.0;
@@ -66,7 +63,7 @@ class CellChoice {
     return is_worth(cell, cost(cell.part.length, all) - apart, price);
   }
 
-  /// A child, until the next begin() only where the octree is full.
+  /// A child; where the octree is full, until the next call of begin() or forget_passing() only.
   Cell& child(Cell& parent, const Place& place, unsigned octant) {
     Cell* const known = parent.child(octant);
     return known != nullptr ? *known : make_child(parent, place, octant);
@@ -81,7 +78,6 @@ class CellChoice {
   static constexpr double kGroupCost = 150.0;      ///< of a group by itself
   static constexpr double kInstructionCost = 1.0;  ///< of an instruction of an evaluation by itself
   static constexpr double kBatchCost = 1.6;        ///< and for each batch
-  static constexpr std::uint32_t kLanesOfBatch = 16;
   /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
   /// thirtieth of what it takes, since the smaller cells below it will gain more.
   static constexpr double kCellPrice = 2000.0;
@@ -91,7 +87,7 @@ class CellChoice {
   static constexpr double kLeast = 8.0;
 
   double cost(double length, std::uint32_t count) const {
-    const double batches = static_cast<double>((count + kLanesOfBatch - 1) / kLanesOfBatch);
+    const auto batches = static_cast<double>(kernels::padded_batches(count) / kernels::kWidestBatch);
     return kGroupCost + evaluations_ * length * (kInstructionCost + batches * kBatchCost);
   }
 

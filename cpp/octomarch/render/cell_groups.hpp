@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "octomarch/kernels/block.hpp"
 #include "octomarch/render/cell_choice.hpp"
 #include "octomarch/render/sorted_ways.hpp"
 
@@ -26,13 +25,12 @@ struct CellGroup {
 template <class Real>
 class CellGroups {
  public:
-  /// Both must outlive this.
-  CellGroups(Octree<Real>& octree, Sampler<Real>& sampler) : choice_(octree, sampler) {}
-
-  CellChoice<Real>& choice() { return choice_; }
+  /// `choice` must outlive this.
+  explicit CellGroups(CellChoice<Real>& choice) : choice_(choice) {}
 
   /// Groups `count` elements, Way::kMost at the most; point(i) returns the coordinates of the i-th as an array of three.
-  /// Those that are NaN are left out. Making cells can take long: where that is cancelled groups are as large as they are by then. Counts cells for `stage`.
+  /// Those that are NaN are left out. Making cells can take long: where that is cancelled groups are as large as they
+  /// are by then. Counts cells for `stage`.
   template <class Point>
   void sort(std::size_t count, const bool& cancelled, StageStats& stage, Point&& point) {
     choice_.begin(1.0, cancelled, stage);
@@ -85,6 +83,10 @@ class CellGroups {
     for (unsigned octant = 0; octant < 8; ++octant) {
       if (bounds[octant + 1] == bounds[octant]) continue;
       const Place below = place.child(octant);
+      if (choice_.is_cancelled()) {
+        add_group(cell, place.region(), bounds[octant], bounds[octant + 1]);
+        continue;
+      }
       split(choice_.child(cell, below, octant), below, bounds[octant], bounds[octant + 1]);
     }
   }
@@ -92,10 +94,10 @@ class CellGroups {
   void add_group(const Cell& cell, const Region<Real>& region, std::size_t begin, std::size_t end) {
     groups_.push_back({&cell, region, places_, end - begin});
     for (std::size_t k = begin; k < end; ++k) place_of_.push_back(static_cast<std::uint32_t>(places_ + (k - begin)));
-    places_ += padded_group(end - begin);
+    places_ += kernels::padded_batches(end - begin);
   }
 
-  CellChoice<Real> choice_;
+  CellChoice<Real>& choice_;
   SortedWays ways_;
   std::vector<CellGroup<Real>> groups_;
   std::vector<std::uint32_t> place_of_;  ///< by the order

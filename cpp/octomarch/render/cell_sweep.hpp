@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -38,6 +39,7 @@ class CellSweep {
     nearest_ = nearest;
     for (bool goes_on = true; goes_on;) {
       goes_on = false;
+      choice_.forget_passing();
       for (std::size_t top = at_tops_.size(); top-- > 0;) {  // the largest first, as rays come from afar
         for (const Way way : arrived_) at_tops_[way.top()].push(way);
         arrived_.clear();
@@ -52,7 +54,6 @@ class CellSweep {
       }
       for (const Way way : gone_back_) arrived_.push(way);
       gone_back_.clear();
-      goes_on = goes_on || !arrived_.is_empty();
     }
   }
 
@@ -72,6 +73,10 @@ class CellSweep {
     for (unsigned i = 0; i < 8; ++i) {
       const unsigned octant = i ^ nearest_;
       if (octants[octant].is_empty()) continue;
+      if (choice_.is_cancelled()) {
+        octants[octant].clear();
+        continue;
+      }
       const Place below = place.child(octant);
       visit(choice_.child(cell, below, octant), below, octants[octant], march);
       for (std::size_t k = elsewhere; k < arrived_.size(); ++k) {

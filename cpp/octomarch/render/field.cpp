@@ -55,8 +55,9 @@ Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<R
       ends_(kernels::padded_lanes(size)),
       sampler_(tape_, kernels) {
   if (shared.octree) {
-    groups_.emplace(*shared.octree, sampler_);
-    sweep_.emplace(groups_->choice());
+    choice_.emplace(*shared.octree, sampler_);
+    groups_.emplace(*choice_);
+    sweep_.emplace(*choice_);
   }
   if (shared.split == nullptr) return;
   for (const Plane& plane : shared.split->planes) {
@@ -76,7 +77,7 @@ std::shared_ptr<Octree<Real>> Field<Real>::octree_of(const Tape& tape, Octrees& 
 }
 
 template <class Real>
-void Field<Real>::Sorted::reserve(std::size_t size) {
+void Field<Real>::Gathered::reserve(std::size_t size) {
   if (size <= t.size()) return;
   const std::size_t padded = kernels::padded_lanes(size + size / 2);
   for (VectorBuffer<Real>* rows : {&points, &values, &origin, &direction}) *rows = VectorBuffer<Real>(padded);
@@ -91,11 +92,11 @@ void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std
                                  LoadedTape<Real>& tape, StageStats& stage, Function&& f) {
   groups_->sort(count, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
-  sorted_.reserve(groups_->places());
+  gathered_.reserve(groups_->places());
   groups_->for_each_place([&](std::size_t i, std::size_t place) {
-    sorted_.points.x[place] = points.x[i];
-    sorted_.points.y[place] = points.y[i];
-    sorted_.points.z[place] = points.z[i];
+    gathered_.points.x[place] = points.x[i];
+    gathered_.points.y[place] = points.y[i];
+    gathered_.points.z[place] = points.z[i];
   });
   for (const CellGroup<Real>& group : groups_->groups()) {
     if (is_set(cancelled)) return;
@@ -110,10 +111,10 @@ void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size
     count_run(tape_.view(), count, 1, stage.work);
     return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
   }
-  Buffer<Real>& values = sorted_.values.x;
+  Buffer<Real>& values = gathered_.values.x;
   for_each_group(points, count, cancelled, tape_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
     count_run(tape, group.count, 1, stage.work);
-    kernels_.distance(tape, tape_.memory(), sorted_.points.from(group.first), group.count, &cancelled,
+    kernels_.distance(tape, tape_.memory(), gathered_.points.from(group.first), group.count, &cancelled,
                       values.data() + group.first);
   });
   std::fill_n(out, count, std::numeric_limits<Real>::quiet_NaN());
@@ -130,15 +131,15 @@ void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size
   }
   for_each_group(points, count, cancelled, *gradient_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
     count_run(tape, group.count, 1, stage.work);
-    VectorBuffer<Real>& values = sorted_.values;
-    kernels_.gradient(tape, gradient_->memory(), sorted_.points.from(group.first), group.count, &cancelled,
+    VectorBuffer<Real>& values = gathered_.values;
+    kernels_.gradient(tape, gradient_->memory(), gathered_.points.from(group.first), group.count, &cancelled,
                       {values.x.data() + group.first, values.y.data() + group.first, values.z.data() + group.first});
   });
   for (Real* row : {out.x, out.y, out.z}) std::fill_n(row, count, std::numeric_limits<Real>::quiet_NaN());
   groups_->for_each_place([&](std::size_t i, std::size_t place) {
-    out.x[i] = sorted_.values.x[place];
-    out.y[i] = sorted_.values.y[place];
-    out.z[i] = sorted_.values.z[place];
+    out.x[i] = gathered_.values.x[place];
+    out.y[i] = gathered_.values.y[place];
+    out.z[i] = gathered_.values.z[place];
   });
 }
 
@@ -181,7 +182,7 @@ template <class Real>
 template <class Run>
 void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage,
                                  Run&& run) {
-  groups_->choice().begin(kStepsInCell, *parameters.cancelled, stage);
+  choice_->begin(kStepsInCell, *parameters.cancelled, stage);
   taken_.assign(rays.count, 0);
   int along[3] = {};
   for (std::size_t i = 0; i < rays.count; ++i) {
@@ -193,15 +194,16 @@ void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters,
     along[2] += at(rays.dz, i) < Real(0) ? -1 : 1;
   }
   const unsigned nearest = (along[0] < 0 ? 1U : 0U) | (along[1] < 0 ? 2U : 0U) | (along[2] < 0 ? 4U : 0U);
-  Sorted& s = sorted_;
   sweep_->run(nearest, [&](const TapePart& part, const Region<Real>& region, const Waiting& waiting) {
     const Rays gathered = gather(rays, state, waiting);
     Parameters left = parameters;
-    left.max_steps -= *std::max_element(s.steps.data(), s.steps.data() + waiting.size());
-    std::fill_n(s.steps.data(), waiting.size(), 0);
+    for (const Way way : waiting)
+      left.max_steps = std::min(left.max_steps, parameters.max_steps - taken_[way.element()]);
+    Gathered& g = gathered_;
+    std::fill_n(g.steps.data(), waiting.size(), 0);
     run(tape_.view(part), tape_.memory(), gathered, left, &region,
-        State{s.t.data(), s.radius.data(), s.before.data(), s.stride.data(), s.boldness.data(), s.pause.data(),
-              s.steps.data()});
+        State{g.t.data(), g.radius.data(), g.before.data(), g.stride.data(), g.boldness.data(), g.pause.data(),
+              g.steps.data()});
     take_back(rays, parameters.max_steps, state, waiting);
   });
   if (state.steps != nullptr) std::copy_n(taken_.data(), rays.count, state.steps);
@@ -218,10 +220,10 @@ void Field<Real>::wait(const Rays& rays, const State& state, std::size_t i) {
 /// Copies the rays of a cell side by side.
 template <class Real>
 kernels::RayView<Real> Field<Real>::gather(const Rays& rays, const State& state, const Waiting& waiting) {
-  Sorted& s = sorted_;
+  Gathered& g = gathered_;
   const std::size_t count = waiting.size();
-  const std::size_t padded = padded_group(count);
-  s.reserve(padded);
+  const std::size_t padded = kernels::padded_batches(count);
+  g.reserve(padded);
   const auto copy = [&](const auto* values, auto* out) {
     for (std::size_t k = 0; k < count; ++k) out[k] = values[waiting[k].element()];
   };
@@ -230,39 +232,38 @@ kernels::RayView<Real> Field<Real>::gather(const Rays& rays, const State& state,
     copy(values.values, out.data());
     return kernels::Column<Real>{out.data(), 0};
   };
-  const Rays gathered{column(rays.ox, s.origin.x),
-                      column(rays.oy, s.origin.y),
-                      column(rays.oz, s.origin.z),
-                      column(rays.dx, s.direction.x),
-                      column(rays.dy, s.direction.y),
-                      column(rays.dz, s.direction.z),
-                      {},
-                      column(rays.t_max, s.t_max),
-                      column(rays.epsilon, s.epsilon),
-                      padded};
-  copy(state.t, s.t.data());
-  copy(state.before, s.before.data());
-  copy(state.stride, s.stride.data());
-  copy(state.boldness, s.boldness.data());
-  copy(taken_.data(), s.steps.data());
-  std::fill(s.t.data() + count, s.t.data() + padded, std::numeric_limits<Real>::quiet_NaN());  // which never live
-  return gathered.from(0, count);
+  const Rays side_by_side{column(rays.ox, g.origin.x),
+                          column(rays.oy, g.origin.y),
+                          column(rays.oz, g.origin.z),
+                          column(rays.dx, g.direction.x),
+                          column(rays.dy, g.direction.y),
+                          column(rays.dz, g.direction.z),
+                          {},
+                          column(rays.t_max, g.t_max),
+                          column(rays.epsilon, g.epsilon),
+                          count};
+  copy(state.t, g.t.data());
+  copy(state.before, g.before.data());
+  copy(state.stride, g.stride.data());
+  copy(state.boldness, g.boldness.data());
+  std::fill(g.t.data() + count, g.t.data() + padded, std::numeric_limits<Real>::quiet_NaN());  // which never live
+  return side_by_side;
 }
 
 /// Copies them back; those that have not ended, and have steps left, wait again.
 template <class Real>
 void Field<Real>::take_back(const Rays& rays, int max_steps, const State& state, const Waiting& waiting) {
-  const Sorted& s = sorted_;
+  const Gathered& g = gathered_;
   for (std::size_t k = 0; k < waiting.size(); ++k) {
     const std::size_t i = waiting[k].element();
-    state.t[i] = s.t[k];
-    state.radius[i] = s.radius[k];
-    state.before[i] = s.before[k];
-    state.stride[i] = s.stride[k];
-    state.boldness[i] = s.boldness[k];
-    state.pause[i] = s.pause[k];
-    taken_[i] += s.steps[k];
-    if (static_cast<kernels::Pause>(s.pause[k]) == kernels::Pause::kEnded) continue;
+    state.t[i] = g.t[k];
+    state.radius[i] = g.radius[k];
+    state.before[i] = g.before[k];
+    state.stride[i] = g.stride[k];
+    state.boldness[i] = g.boldness[k];
+    state.pause[i] = g.pause[k];
+    taken_[i] += g.steps[k];
+    if (static_cast<kernels::Pause>(g.pause[k]) == kernels::Pause::kEnded) continue;
     state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kSpent);
     if (taken_[i] < max_steps) wait(rays, state, i);
   }

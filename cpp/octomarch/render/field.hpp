@@ -5,6 +5,7 @@
 
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "octomarch/render/cell_groups.hpp"
@@ -94,7 +95,7 @@ class Field {
   void wait(const Rays& rays, const State& state, std::size_t i);
   Rays gather(const Rays& rays, const State& state, const Waiting& waiting);
   void take_back(const Rays& rays, int max_steps, const State& state, const Waiting& waiting);
-  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_.points.
+  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in gathered_.points.
   template <class Function>
   void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
                       LoadedTape<Real>& tape, StageStats& stage, Function&& f);
@@ -108,8 +109,8 @@ class Field {
     Buffer<Real> width{kMost}, spread{kMost}, epsilon{kMost}, t_max{kMost}, t{kMost};
   };
 
-  /// Elements sorted by cells.
-  struct Sorted {
+  /// Elements side by side by their cells: points of all cells, or the rays of one.
+  struct Gathered {
     VectorBuffer<Real> points, values, origin, direction;
     Buffer<Real> t_max, epsilon, t, radius, before, stride, boldness;
     Buffer<std::uint8_t> pause;
@@ -128,9 +129,10 @@ class Field {
   Buffer<Real> values_, ends_;
   Cones cones_;
   KernelSampler<Real> sampler_;
+  std::optional<CellChoice<Real>> choice_;
   std::optional<CellGroups<Real>> groups_;
   std::optional<CellSweep<Real>> sweep_;
-  Sorted sorted_;
+  Gathered gathered_;
   std::vector<std::int32_t> taken_;  ///< steps of each ray so far
   std::vector<Real> planes_;         ///< apart from the rest
   Buffer<Real> met_;                 ///< where rays meet the first of them

@@ -17,7 +17,7 @@ PointExpressions<Real>::PointExpressions(const Tape& tape, std::vector<Real*> ro
       octree_(std::move(octree)),
       sampler_(tape_, kernels),
       values_(rows_.size()) {
-  if (octree_) groups_.emplace(*octree_, sampler_);
+  if (octree_) groups_.emplace(choice_.emplace(*octree_, sampler_));
 }
 
 template <class Real>

@@ -35,6 +35,7 @@ class PointExpressions {
   std::vector<Real*> rows_;
   std::shared_ptr<Octree<Real>> octree_;
   KernelSampler<Real> sampler_;
+  std::optional<CellChoice<Real>> choice_;
   std::optional<CellGroups<Real>> groups_;
   VectorBuffer<Real> points_, normals_;  ///< sorted by cells, like the values
   std::vector<Buffer<Real>> values_;

@@ -26,7 +26,7 @@ class SortedWays {
     for (const Way way : ways_) {
       for (unsigned byte = 0; byte < Way::kBytes; ++byte) ++counts_[byte][way.byte(byte)];
     }
-    scratch_ = ways_;
+    scratch_.resize(ways_.size());
     for (unsigned byte = 0; byte < Way::kBytes; ++byte) {
       std::array<std::uint32_t, 256>& next = counts_[byte];
       if (next[ways_.front().byte(byte)] == ways_.size()) continue;  // the same everywhere

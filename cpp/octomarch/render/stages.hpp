@@ -1,4 +1,4 @@
-// What each stage of a picture did: exact counts of the work, and how long it took. Comes before cell_groups.hpp and field.hpp,
+// What each stage of a picture did: exact counts of the work, and how long it took. Comes before cell_choice.hpp and field.hpp,
 // which count for the stage that asks.
 #pragma once
 

@@ -6,6 +6,8 @@
 
 namespace octomarch {
 
+static_assert(TileGrid::rays() <= Way::kMost);
+
 TileGrid::TileGrid(const Picture& picture)
     : crop(picture.crop),
       width(picture.width),

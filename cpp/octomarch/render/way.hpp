@@ -2,6 +2,7 @@
 // cell_sweep.hpp.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -14,6 +15,7 @@ namespace octomarch {
 class Way {
   static constexpr unsigned kElementBits = 20;
   static constexpr unsigned kTopShift = Octree<float>::kWayBits + kElementBits;
+  static_assert(Octree<float>::kTops < std::size_t{1} << (64 - kTopShift));
 
  public:
   /// Elements are numbers below this.
@@ -44,7 +46,6 @@ class Ways {
   bool is_empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
   const Way* begin() const { return ways_.data(); }
-  Way operator[](std::size_t k) const { return ways_[k]; }
   Way& operator[](std::size_t k) { return ways_[k]; }
   const Way* end() const { return ways_.data() + size_; }
 
