@@ -87,8 +87,8 @@ class CellChoice {
   static constexpr double kLeast = 8.0;
 
   double cost(double length, std::uint32_t count) const {
-    const auto batches = static_cast<double>(kernels::padded_batches(count) / kernels::kWidestBatch);
-    return kGroupCost + evaluations_ * length * (kInstructionCost + batches * kBatchCost);
+    const std::size_t batches = kernels::padded_batches(count) / kernels::kWidestBatch;
+    return kGroupCost + evaluations_ * length * (kInstructionCost + static_cast<double>(batches) * kBatchCost);
   }
 
   static double hoped_length(const Cell& cell) {

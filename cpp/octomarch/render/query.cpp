@@ -13,22 +13,40 @@ namespace octomarch {
 
 namespace {
 
-/// Points or rays per task: enough to keep blocks full, few enough that a cancelled query ends soon.
-std::size_t chunk_size(const Program& program) { return program.distance().code.size() < 1000 ? 4096 : 512; }
+/// How the points or rays of a query are divided among its tasks.
+struct Chunks {
+  std::size_t count;  ///< of all
+  std::size_t size;   ///< of a task's, but for the last
 
-/// What a worker's memory has to hold for tasks of a query of `count` points or rays.
-std::size_t scratch_size(const Program& program, std::size_t count) {
-  return kernels::padded_lanes(std::min(chunk_size(program), count));
+  std::size_t tasks() const { return (count + size - 1) / size; }
+  /// What a worker's memory has to hold.
+  std::size_t scratch() const { return kernels::padded_lanes(std::min(size, count)); }
+};
+
+/// Enough to keep blocks full, few enough that a cancelled query ends soon. By cells, which look whether it has been, as many
+/// as leave several chunks to each thread: the more there are, the more are in a cell together.
+template <class Real>
+Chunks chunks_of(const SharedField<Real>& shared, std::size_t count, unsigned threads) {
+  constexpr std::size_t kUsual = 4096;
+  constexpr std::size_t kOfLong = 512;
+  constexpr std::size_t kByCells = 32768;
+  constexpr std::size_t kChunksOfThread = 4;
+  static_assert(kByCells <= Way::kMost);
+  if (shared.octree != nullptr || shared.rest_octree != nullptr) {
+    const std::size_t share = kernels::padded_lanes(count / (kChunksOfThread * thread_count(threads)));
+    return {count, std::clamp(share, kUsual, kByCells)};
+  }
+  return {count, shared.program->distance().code.size() < 1000 ? kUsual : kOfLong};
 }
 
-/// Runs body(first, count, worker, cancelled) over [0, count) in chunks. One chunk of little work stays on the calling
-/// thread, where starting another would cost more; `evaluations`: of each item, at the most.
+/// Runs body(first, count, worker, cancelled) for each chunk. One of little work stays on the calling thread, where starting another
+/// would cost more; `evaluations`: of each item, at the most.
 template <class Body>
-void for_each_chunk(const Program& program, std::size_t count, std::size_t evaluations, const Execution& how,
+void for_each_chunk(const Program& program, const Chunks& chunks, std::size_t evaluations, const Execution& how,
                     Body&& body) {
   constexpr double kLittle = 5e8;  // instructions of a lane: under a tenth of a second
-  const std::size_t chunk = chunk_size(program);
-  const std::size_t tasks = (count + chunk - 1) / chunk;
+  const std::size_t count = chunks.count;
+  const std::size_t tasks = chunks.tasks();
   if (tasks == 0) return;
   const double work = static_cast<double>(count) * static_cast<double>(evaluations) *
                       static_cast<double>(program.distance().code.size());
@@ -40,8 +58,8 @@ void for_each_chunk(const Program& program, std::size_t count, std::size_t evalu
   parallel_for(
       tasks, thread_count(how.threads),
       [&](std::size_t task, std::size_t worker, const bool& cancelled) {
-        const std::size_t first = task * chunk;
-        body(first, std::min(chunk, count - first), worker, cancelled);
+        const std::size_t first = task * chunks.size;
+        body(first, std::min(chunks.size, count - first), worker, cancelled);
       },
       how.listener);
 }
@@ -183,10 +201,11 @@ void write_surfaces(RayScratch<Real>& s, const Program& program, std::size_t fir
 template <class Real>
 void query_distance(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
   const SharedField<Real> shared = field_of<Real>(program, count);
+  const Chunks chunks = chunks_of(shared, count, how.threads);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, 1, how,
+  for_each_chunk(program, chunks, 1, how,
                  [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-                   auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), scratch_size(program, count));
+                   auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), chunks.scratch());
                    split(points + 3 * first, n, program.site().anchor, s.points);
                    s.field.distance(s.points.read(), n, cancelled, s.out.x.data(), s.stats);
                    std::copy_n(s.out.x.data(), n, out + first);
@@ -196,10 +215,11 @@ void query_distance(const Program& program, const double* points, std::size_t co
 template <class Real>
 void query_gradient(const Program& program, const double* points, std::size_t count, Real* out, const Execution& how) {
   const SharedField<Real> shared = field_of<Real>(program, count);
+  const Chunks chunks = chunks_of(shared, count, how.threads);
   std::vector<std::optional<PointScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
-      program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), scratch_size(program, count));
+      program, chunks, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+        auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), chunks.scratch());
         split(points + 3 * first, n, program.site().anchor, s.points);
         s.field.gradient(s.points.read(), n, cancelled, s.out.view(), s.stats);
         for (std::size_t i = 0; i < n; ++i) {
@@ -216,10 +236,11 @@ template <class Real>
 void query_material(const Program& program, const double* points, const double* normals, std::size_t count, Real* out,
                     const Execution& how) {
   const SharedField<Real> shared = field_of<Real>(program, count);
+  const Chunks chunks = chunks_of(shared, count, how.threads);
   std::vector<std::optional<MaterialScratch<Real>>> scratch(thread_count(how.threads));
   for_each_chunk(
-      program, count, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-        auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), scratch_size(program, count));
+      program, chunks, 1, how, [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
+        auto& s = scratch_of(scratch, worker, shared, how.isa->table<Real>(), chunks.scratch());
         split(points + 3 * first, n, program.site().anchor, s.points);
         split(normals + 3 * first, n, {}, s.normals);
         s.material.run(s.field, s.points.read(), s.normals.read(), n, cancelled, s.stats);
@@ -239,10 +260,11 @@ void query_rays(const Program& program, const double* origins, const double* dir
                 const March& march, const Shading& shading, double t_max, const Hits<Real>& out, const Execution& how) {
   const kernels::KernelTable<Real>& kernels = how.isa->table<Real>();
   const SharedField<Real> shared = field_of<Real>(program, count, march);
+  const Chunks chunks = chunks_of(shared, count, how.threads);
   std::vector<std::optional<RayScratch<Real>>> scratch(thread_count(how.threads));
-  for_each_chunk(program, count, static_cast<std::size_t>(march.max_steps), how,
+  for_each_chunk(program, chunks, static_cast<std::size_t>(march.max_steps), how,
                  [&](std::size_t first, std::size_t n, std::size_t worker, const bool& cancelled) {
-                   auto& s = scratch_of(scratch, worker, shared, kernels, scratch_size(program, count));
+                   auto& s = scratch_of(scratch, worker, shared, kernels, chunks.scratch());
                    set_rays(s, program.site(), origins + 3 * first, directions + 3 * first, n, march, t_max);
                    const RayColumns<Real> columns = own_columns(s.batch.origin, s.batch.direction, s.epsilon);
                    const kernels::RayView<Real> rays = columns.view({s.batch.start.data(), 0}, {s.t_max.data(), 0}, n);
