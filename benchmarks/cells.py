@@ -1,4 +1,4 @@
-"""What long programs cost by cells of their octree: a first picture, which makes cells, and those that follow.
+"""What long programs cost by cells of their octree: a first picture, which makes cells, those that follow, and queries.
 
 ``python benchmarks/cells.py`` prints the tables of docs/guide/marching.md and keeps the figures in benchmarks/results.
 Times are of processor time on one thread, medians over shapes that differ a little in where they are, so that each is
@@ -22,6 +22,9 @@ import octomarch as om
 from spheres import DIRECTION, FOV, SMOOTH, VOLUME_PER_BALL, balls
 
 SIZE = (640, 480)
+COUNTS = (200, 2000, 10_000, 100_000)
+POINTS = 400_000
+RAYS = 100_000
 PICTURES = 8
 SHAPES = 5
 WHOLE = 4000
@@ -60,7 +63,7 @@ def sparse(n: int) -> Case:
 
 
 def near(n: int) -> Case:
-    """Look from as far from the nearest corner as at 200 balls: they are as large, and few gaps are left between them."""
+    """Look from as far from the nearest corner as at 200 balls: they are as large, and few gaps are left."""
 
     def to_corner(count: int) -> float:
         edge = (count * VOLUME_PER_BALL) ** (1 / 3)
@@ -109,7 +112,7 @@ def stars(offset: float) -> om.Shape:
 
 
 def cases(largest: int) -> list[Case]:
-    counts = [n for n in (200, 2000, 10_000, 100_000) if n <= largest]
+    counts = [n for n in COUNTS if n <= largest]
     return [
         *(sparse(n) for n in counts),
         *(near(n) for n in counts if n > 200),
@@ -163,6 +166,37 @@ def measure(case: Case) -> Row:
     }
 
 
+def queries(n: int) -> Row:
+    """Ask for distances at points, scattered or on a lattice, and for hits of rays from them, within scene C's cube."""
+    case = sparse(n)
+    edge = (n * VOLUME_PER_BALL) ** (1 / 3)
+    random = np.random.default_rng(n)
+    scattered = random.uniform(-edge / 2, edge / 2, (POINTS, 3))
+    along = np.linspace(-edge / 2, edge / 2, round(POINTS ** (1 / 3)))
+    lattice = np.stack(np.meshgrid(along, along, along, indexing="ij"), axis=-1).reshape(-1, 3)
+    directions = random.normal(size=(RAYS, 3))
+    asked: dict[str, Callable[[om.Shape], object]] = {
+        "scattered": lambda shape: shape.distance(scattered, precision="float32", threads=1),
+        "lattice": lambda shape: shape.distance(lattice, precision="float32", threads=1),
+        "rays": lambda shape: shape.raycast(scattered[:RAYS], directions, precision="float32", threads=1),
+    }
+    row: Row = {"case": case.name}
+    for name, ask in asked.items():
+        times = []
+        for k in range(SHAPES):
+            shape = case.build(1e-3 * k)
+            om.compile(shape)
+            times.append([_seconds(ask, shape) for _ in range(3)])
+        row[name] = np.median(times, axis=0)[[0, -1]].tolist()
+    return row
+
+
+def _seconds(ask: Callable[[om.Shape], object], shape: om.Shape) -> float:
+    before = time.process_time()
+    ask(shape)
+    return time.process_time() - before
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--largest", type=int, default=100_000, metavar="N", help="balls at the most")
@@ -175,7 +209,11 @@ def main() -> None:
     for case in cases(chosen.largest):
         rows.append(measure(case))
         print(rows[-1], flush=True)
-    result = {"machine": description, "pictures": PICTURES, "rows": rows}
+    asked = []
+    for n in (n for n in COUNTS if n <= chosen.largest):
+        asked.append(queries(n))
+        print(asked[-1], flush=True)
+    result = {"machine": description, "pictures": PICTURES, "rows": rows, "queries": asked}
     description["busy_processors"] = other.busy_processors()
     for name, table in cells_tables.blocks(result).items():
         print(f"{name}\n\n{table}\n")
