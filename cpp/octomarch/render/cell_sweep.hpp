@@ -1,5 +1,5 @@
 // Rays through the cells of an octree from front to back, so that a cell is marched when all rays that pass through it have
-// come. Comes before field.hpp.
+// come. Comes before cell_march.hpp.
 #pragma once
 
 #include <array>

@@ -6,11 +6,6 @@ namespace octomarch {
 
 namespace {
 
-template <class Real>
-Real at(const kernels::Column<Real>& column, std::size_t i) {
-  return RayColumns<Real>::at(column, i);
-}
-
 /// Runs a march by a tape, and counts its instructions.
 template <class Real, class Run>
 void counted(const kernels::TapeView<Real>& tape, kernels::Counters& counters, Run&& run) {
@@ -18,9 +13,6 @@ void counted(const kernels::TapeView<Real>& tape, kernels::Counters& counters, R
   run();
   counters.instructions += (counters.lane_slots - before) * tape.length;
 }
-
-/// How many steps a ray makes in a cell, about.
-constexpr double kStepsInCell = 3.0;
 
 /// An octree of a program's distance, or null.
 template <class Real>
@@ -57,7 +49,7 @@ Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<R
   if (shared.octree) {
     choice_.emplace(*shared.octree, sampler_);
     groups_.emplace(*choice_);
-    sweep_.emplace(*choice_);
+    cell_march_.emplace(*choice_);
   }
   if (shared.split == nullptr) return;
   for (const Plane& plane : shared.split->planes) {
@@ -77,26 +69,20 @@ std::shared_ptr<Octree<Real>> Field<Real>::octree_of(const Tape& tape, Octrees& 
 }
 
 template <class Real>
-void Field<Real>::Gathered::reserve(std::size_t size) {
-  if (size <= t.size()) return;
-  const std::size_t padded = kernels::padded_lanes(size + size / 2);
-  for (VectorBuffer<Real>* rows : {&points, &values, &origin, &direction}) *rows = VectorBuffer<Real>(padded);
-  for (Buffer<Real>* row : {&t_max, &epsilon, &t, &radius, &before, &stride, &boldness}) *row = Buffer<Real>(padded);
-  pause = Buffer<std::uint8_t>(padded);
-  steps = Buffer<std::int32_t>(padded);
-}
-
-template <class Real>
 template <class Function>
 void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
                                  LoadedTape<Real>& tape, StageStats& stage, Function&& f) {
   groups_->sort(count, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
-  gathered_.reserve(groups_->places());
+  if (groups_->places() > sorted_points_.x.size()) {
+    const std::size_t size = kernels::padded_lanes(groups_->places() * 3 / 2);
+    sorted_points_ = VectorBuffer<Real>(size);
+    sorted_values_ = VectorBuffer<Real>(size);
+  }
   groups_->for_each_place([&](std::size_t i, std::size_t place) {
-    gathered_.points.x[place] = points.x[i];
-    gathered_.points.y[place] = points.y[i];
-    gathered_.points.z[place] = points.z[i];
+    sorted_points_.x[place] = points.x[i];
+    sorted_points_.y[place] = points.y[i];
+    sorted_points_.z[place] = points.z[i];
   });
   for (const CellGroup<Real>& group : groups_->groups()) {
     if (is_set(cancelled)) return;
@@ -111,10 +97,10 @@ void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size
     count_run(tape_.view(), count, 1, stage.work);
     return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
   }
-  Buffer<Real>& values = gathered_.values.x;
+  Buffer<Real>& values = sorted_values_.x;
   for_each_group(points, count, cancelled, tape_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
     count_run(tape, group.count, 1, stage.work);
-    kernels_.distance(tape, tape_.memory(), gathered_.points.from(group.first), group.count, &cancelled,
+    kernels_.distance(tape, tape_.memory(), sorted_points_.from(group.first), group.count, &cancelled,
                       values.data() + group.first);
   });
   std::fill_n(out, count, std::numeric_limits<Real>::quiet_NaN());
@@ -131,15 +117,15 @@ void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size
   }
   for_each_group(points, count, cancelled, *gradient_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
     count_run(tape, group.count, 1, stage.work);
-    VectorBuffer<Real>& values = gathered_.values;
-    kernels_.gradient(tape, gradient_->memory(), gathered_.points.from(group.first), group.count, &cancelled,
+    VectorBuffer<Real>& values = sorted_values_;
+    kernels_.gradient(tape, gradient_->memory(), sorted_points_.from(group.first), group.count, &cancelled,
                       {values.x.data() + group.first, values.y.data() + group.first, values.z.data() + group.first});
   });
   for (Real* row : {out.x, out.y, out.z}) std::fill_n(row, count, std::numeric_limits<Real>::quiet_NaN());
   groups_->for_each_place([&](std::size_t i, std::size_t place) {
-    out.x[i] = gathered_.values.x[place];
-    out.y[i] = gathered_.values.y[place];
-    out.z[i] = gathered_.values.z[place];
+    out.x[i] = sorted_values_.x[place];
+    out.y[i] = sorted_values_.y[place];
+    out.z[i] = sorted_values_.z[place];
   });
 }
 
@@ -172,101 +158,13 @@ template <class Real>
 template <class Run>
 void Field<Real>::march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage,
                             Run&& run) {
-  const Region<Real>* const everywhere = nullptr;
-  if (groups_) return march_by_cells(rays, parameters, state, stage, run);
-  run(tape_.view(), tape_.memory(), rays, parameters, everywhere, state);
-}
-
-/// Cell by cell, from front to back.
-template <class Real>
-template <class Run>
-void Field<Real>::march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage,
-                                 Run&& run) {
-  choice_->begin(kStepsInCell, *parameters.cancelled, stage);
-  taken_.assign(rays.count, 0);
-  int along[3] = {};
-  for (std::size_t i = 0; i < rays.count; ++i) {
-    state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kEnded);
-    if (!(state.t[i] <= at(rays.t_max, i))) continue;
-    wait(rays, state, i);
-    along[0] += at(rays.dx, i) < Real(0) ? -1 : 1;
-    along[1] += at(rays.dy, i) < Real(0) ? -1 : 1;
-    along[2] += at(rays.dz, i) < Real(0) ? -1 : 1;
+  if (!cell_march_) {
+    const Region<Real>* const everywhere = nullptr;
+    return run(tape_.view(), tape_.memory(), rays, parameters, everywhere, state);
   }
-  const unsigned nearest = (along[0] < 0 ? 1U : 0U) | (along[1] < 0 ? 2U : 0U) | (along[2] < 0 ? 4U : 0U);
-  sweep_->run(nearest, [&](const TapePart& part, const Region<Real>& region, const Waiting& waiting) {
-    const Rays gathered = gather(rays, state, waiting);
-    Parameters left = parameters;
-    for (const Way way : waiting)
-      left.max_steps = std::min(left.max_steps, parameters.max_steps - taken_[way.element()]);
-    Gathered& g = gathered_;
-    std::fill_n(g.steps.data(), waiting.size(), 0);
-    run(tape_.view(part), tape_.memory(), gathered, left, &region,
-        State{g.t.data(), g.radius.data(), g.before.data(), g.stride.data(), g.boldness.data(), g.pause.data(),
-              g.steps.data()});
-    take_back(rays, parameters.max_steps, state, waiting);
-  });
-  if (state.steps != nullptr) std::copy_n(taken_.data(), rays.count, state.steps);
-}
-
-/// Lets a ray wait in the cell of its next sample, the point as kernels compute it.
-template <class Real>
-void Field<Real>::wait(const Rays& rays, const State& state, std::size_t i) {
-  const Real t = state.t[i];
-  sweep_->add(i, at(rays.ox, i) + t * at(rays.dx, i), at(rays.oy, i) + t * at(rays.dy, i),
-              at(rays.oz, i) + t * at(rays.dz, i));
-}
-
-/// Copies the rays of a cell side by side.
-template <class Real>
-kernels::RayView<Real> Field<Real>::gather(const Rays& rays, const State& state, const Waiting& waiting) {
-  Gathered& g = gathered_;
-  const std::size_t count = waiting.size();
-  const std::size_t padded = kernels::padded_batches(count);
-  g.reserve(padded);
-  const auto copy = [&](const auto* values, auto* out) {
-    for (std::size_t k = 0; k < count; ++k) out[k] = values[waiting[k].element()];
-  };
-  const auto column = [&](const kernels::Column<Real>& values, Buffer<Real>& out) {
-    if (values.values == nullptr) return values;
-    copy(values.values, out.data());
-    return kernels::Column<Real>{out.data(), 0};
-  };
-  const Rays side_by_side{column(rays.ox, g.origin.x),
-                          column(rays.oy, g.origin.y),
-                          column(rays.oz, g.origin.z),
-                          column(rays.dx, g.direction.x),
-                          column(rays.dy, g.direction.y),
-                          column(rays.dz, g.direction.z),
-                          {},
-                          column(rays.t_max, g.t_max),
-                          column(rays.epsilon, g.epsilon),
-                          count};
-  copy(state.t, g.t.data());
-  copy(state.before, g.before.data());
-  copy(state.stride, g.stride.data());
-  copy(state.boldness, g.boldness.data());
-  std::fill(g.t.data() + count, g.t.data() + padded, std::numeric_limits<Real>::quiet_NaN());  // which never live
-  return side_by_side;
-}
-
-/// Copies them back; those that have not ended, and have steps left, wait again.
-template <class Real>
-void Field<Real>::take_back(const Rays& rays, int max_steps, const State& state, const Waiting& waiting) {
-  const Gathered& g = gathered_;
-  for (std::size_t k = 0; k < waiting.size(); ++k) {
-    const std::size_t i = waiting[k].element();
-    state.t[i] = g.t[k];
-    state.radius[i] = g.radius[k];
-    state.before[i] = g.before[k];
-    state.stride[i] = g.stride[k];
-    state.boldness[i] = g.boldness[k];
-    state.pause[i] = g.pause[k];
-    taken_[i] += g.steps[k];
-    if (static_cast<kernels::Pause>(g.pause[k]) == kernels::Pause::kEnded) continue;
-    state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kSpent);
-    if (taken_[i] < max_steps) wait(rays, state, i);
-  }
+  cell_march_->march(rays, parameters, state, stage,
+                     [&](const TapePart& part, const Rays& of_cell, const Parameters& left, const Region<Real>& region,
+                         const State& its) { run(tape_.view(part), tape_.memory(), of_cell, left, &region, its); });
 }
 
 template <class Real>

@@ -5,11 +5,10 @@
 
 #include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "octomarch/render/cell_groups.hpp"
-#include "octomarch/render/cell_sweep.hpp"
+#include "octomarch/render/cell_march.hpp"
 #include "octomarch/render/loaded_tape.hpp"
 #include "octomarch/render/rays.hpp"
 #include "octomarch/render/stages.hpp"
@@ -89,13 +88,7 @@ class Field {
   /// Marches until all rays have ended, by the kernel run(tape, memory, rays, parameters, region, state).
   template <class Run>
   void march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run);
-  template <class Run>
-  void march_by_cells(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run);
-  using Waiting = std::span<const Way>;  ///< rays of one cell
-  void wait(const Rays& rays, const State& state, std::size_t i);
-  Rays gather(const Rays& rays, const State& state, const Waiting& waiting);
-  void take_back(const Rays& rays, int max_steps, const State& state, const Waiting& waiting);
-  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in gathered_.points.
+  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_.
   template <class Function>
   void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
                       LoadedTape<Real>& tape, StageStats& stage, Function&& f);
@@ -107,16 +100,6 @@ class Field {
     static constexpr std::size_t kMost = kernels::kLanes;
     VectorBuffer<Real> origin{kMost}, direction{kMost};
     Buffer<Real> width{kMost}, spread{kMost}, epsilon{kMost}, t_max{kMost}, t{kMost};
-  };
-
-  /// Elements side by side by their cells: points of all cells, or the rays of one.
-  struct Gathered {
-    VectorBuffer<Real> points, values, origin, direction;
-    Buffer<Real> t_max, epsilon, t, radius, before, stride, boldness;
-    Buffer<std::uint8_t> pause;
-    Buffer<std::int32_t> steps;
-
-    void reserve(std::size_t size);
   };
 
   const Program& program_;
@@ -131,12 +114,11 @@ class Field {
   KernelSampler<Real> sampler_;
   std::optional<CellChoice<Real>> choice_;
   std::optional<CellGroups<Real>> groups_;
-  std::optional<CellSweep<Real>> sweep_;
-  Gathered gathered_;
-  std::vector<std::int32_t> taken_;  ///< steps of each ray so far
-  std::vector<Real> planes_;         ///< apart from the rest
-  Buffer<Real> met_;                 ///< where rays meet the first of them
-  std::unique_ptr<Field> rest_;      ///< what is marched beside planes; null where that is nothing
+  std::optional<CellMarch<Real>> cell_march_;
+  VectorBuffer<Real> sorted_points_, sorted_values_;  ///< by cells
+  std::vector<Real> planes_;                          ///< apart from the rest
+  Buffer<Real> met_;                                  ///< where rays meet the first of them
+  std::unique_ptr<Field> rest_;                       ///< what is marched beside planes; null where that is nothing
 };
 
 }  // namespace octomarch
