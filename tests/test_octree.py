@@ -229,6 +229,23 @@ def test_queries_of_many_points_are_those_of_few(name: str, precision: str):
         assert_array_equal(query(points, precision=precision, threads=threads), np.concatenate(few))
 
 
+def test_queries_in_large_chunks(precision: str):
+    """It does not matter how points and rays are divided among threads, nor who is with whom in a cell."""
+    shape = scene("smooth unions").shape
+    points = query_points(300_000)
+    directions = np.random.default_rng(6).normal(size=points.shape)
+    distance = shape.distance(points, precision=precision, threads=1)
+    hits = shape.raycast(points[:70_000], directions[:70_000], precision=precision, threads=1)
+    for threads in (2, 3):
+        assert_array_equal(shape.distance(points, precision=precision, threads=threads), distance)
+        again = shape.raycast(points[:70_000], directions[:70_000], precision=precision, threads=threads)
+        for plane in HIT_PLANES:
+            assert_array_equal(getattr(again, plane), getattr(hits, plane), err_msg=plane)
+    for first in range(0, 300_000, 97_003):
+        few = shape.distance(points[first : first + 2000], precision=precision)
+        assert_array_equal(distance[first : first + 2000], few)
+
+
 @pytest.mark.parametrize("method", ["auto", "plain", "relaxed", "enhanced", "fixed"])
 def test_rays_are_those_of_the_whole_program(method: str, precision: str):
     origins = query_points(MANY)
