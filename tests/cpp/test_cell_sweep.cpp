@@ -73,7 +73,7 @@ class Sweeper {
   Visits run(Walkers<Real>& walkers, unsigned nearest, Move&& move, int patience = 1000) {
     Visits visits;
     const std::uint64_t before = stage_.cells_visited;
-    choice_.begin(3.0, is_cancelled_, stage_);
+    choice_.begin(kStayOfRay, is_cancelled_, stage_);
     for (std::size_t i = 0; i < walkers.at.size(); ++i) wait(walkers, i);
     sweep_.run(nearest, [&](const TapePart& part, const Region<Real>& region, std::span<const Way> rays) {
       CHECK(part.length <= octree_.tape().code.size());

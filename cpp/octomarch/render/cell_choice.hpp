@@ -14,6 +14,14 @@
 
 namespace octomarch {
 
+/// What becomes of an element in its cell, about.
+struct Stay {
+  double evaluations;
+  double octants;  ///< that it comes to
+};
+inline constexpr Stay kStayOfPoint{1.0, 1.0};
+inline constexpr Stay kStayOfRay{3.0, 1.5};
+
 /// Weighs what instructions and groups cost, and makes cells that have paid. One for each thread.
 template <class Real>
 class CellChoice {
@@ -27,10 +35,10 @@ class CellChoice {
 
   Octree<Real>& octree() { return octree_; }
 
-  /// `evaluations`: of each element in its cell, as far as one can tell. Counts for `stage`. Whoever chooses asks
-  /// is_cancelled() before each child, since making one can take long. Both must outlive the choices that follow.
-  void begin(double evaluations, const bool& cancelled, StageStats& stage) {
-    evaluations_ = evaluations;
+  /// `stay`: of all elements. Counts for `stage`. Whoever chooses asks is_cancelled() before each child, since making one can take
+  /// long. Both must outlive the choices that follow.
+  void begin(const Stay& stay, const bool& cancelled, StageStats& stage) {
+    stay_ = stay;
     cancelled_ = &cancelled;
     stage_ = &stage;
     forget_passing();
@@ -50,17 +58,18 @@ class CellChoice {
     for (unsigned octant = 0; octant < 8; ++octant) {
       if (counts[octant] == 0) continue;
       all += counts[octant];
+      apart += stay_.octants * entering_cost(counts[octant]);
       const Cell* const child = branch == nullptr ? nullptr : branch->children[octant].load(std::memory_order_acquire);
       if (child != nullptr) {
         __builtin_prefetch(child->branch.load(std::memory_order_relaxed));
         __builtin_prefetch(child->part.code);
-        apart += cost(hoped_length(*child), counts[octant]);
+        apart += running_cost(hoped_length(*child), counts[octant]);
       } else {
-        apart += cost(hoped_length(cell), counts[octant]);
+        apart += running_cost(hoped_length(cell), counts[octant]);
         price += kCellPrice + kPruningPrice * length;
       }
     }
-    return is_worth(cell, cost(cell.part.length, all) - apart, price);
+    return is_worth(cell, entering_cost(all) + running_cost(length, all) - apart, price);
   }
 
   /// A child; where the octree is full, until the next call of begin() or forget_passing() only.
@@ -76,6 +85,7 @@ class CellChoice {
  private:
   // Nanoseconds, about:
   static constexpr double kGroupCost = 150.0;      ///< of a group by itself
+  static constexpr double kElementCost = 10.0;     ///< and of each of its elements
   static constexpr double kInstructionCost = 1.0;  ///< of an instruction of an evaluation by itself
   static constexpr double kBatchCost = 1.6;        ///< and for each batch
   /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
@@ -83,12 +93,14 @@ class CellChoice {
   static constexpr double kCellPrice = 2000.0;
   static constexpr double kPruningPrice = 1.0;
   /// What is hoped for from the smaller cells below one, beside its own program, and at the least.
-  static constexpr double kHope = 0.3;
+  static constexpr double kHope = 0.25;
   static constexpr double kLeast = 8.0;
 
-  double cost(double length, std::uint32_t count) const {
+  static double entering_cost(std::uint32_t count) { return kGroupCost + kElementCost * count; }
+
+  double running_cost(double length, std::uint32_t count) const {
     const std::size_t batches = kernels::padded_batches(count) / kernels::kWidestBatch;
-    return kGroupCost + evaluations_ * length * (kInstructionCost + static_cast<double>(batches) * kBatchCost);
+    return stay_.evaluations * length * (kInstructionCost + static_cast<double>(batches) * kBatchCost);
   }
 
   static double hoped_length(const Cell& cell) {
@@ -117,7 +129,7 @@ class CellChoice {
   Octree<Real>& octree_;
   CellMaker<Real> maker_;
   Unpacker unpacker_;
-  double evaluations_ = 1.0;
+  Stay stay_ = kStayOfPoint;
   const bool* cancelled_ = nullptr;
   StageStats* stage_ = nullptr;
 };

@@ -33,7 +33,7 @@ class CellGroups {
   /// are by then. Counts cells for `stage`.
   template <class Point>
   void sort(std::size_t count, const bool& cancelled, StageStats& stage, Point&& point) {
-    choice_.begin(1.0, cancelled, stage);
+    choice_.begin(kStayOfPoint, cancelled, stage);
     Octree<Real>& octree = choice_.octree();
     groups_.clear();
     place_of_.clear();

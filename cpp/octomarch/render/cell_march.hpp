@@ -30,7 +30,7 @@ class CellMarch {
   /// marches those of one cell until they leave its region. Counts cells for `stage`.
   template <class Run>
   void march(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run) {
-    choice_.begin(kStepsInCell, *parameters.cancelled, stage);
+    choice_.begin(kStayOfRay, *parameters.cancelled, stage);
     taken_.assign(rays.count, 0);
     const unsigned nearest = start(rays, state);
     sweep_.run(nearest, [&](const TapePart& part, const Region<Real>& region, std::span<const Way> waiting) {
@@ -46,9 +46,6 @@ class CellMarch {
   }
 
  private:
-  /// How many steps a ray makes in a cell, about.
-  static constexpr double kStepsInCell = 3.0;
-
   static Real at(const kernels::Column<Real>& column, std::size_t i) { return RayColumns<Real>::at(column, i); }
 
   /// Lets all wait that have not ended. Returns the octant that most come from.
