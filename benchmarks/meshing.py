@@ -15,6 +15,7 @@ import statistics
 import sys
 import time
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -71,33 +72,28 @@ def dense(shape: om.Shape, resolution: int) -> dict[str, int]:
     return {"triangles": len(faces), "evaluations": len(points), "cell_evaluations": len(points)}
 
 
-def run(name: str, way: str, resolution: int, answers: Any) -> None:
-    """Make one mesh and send what it took; the first one of a ball only loads libraries."""
+def run(name: str, way: str, resolution: int) -> dict[str, float]:
+    """Make one mesh and return what it took; the first one of a ball only loads libraries."""
     shape = SHAPES[name]()
     make = {"near": near, "dense": dense}[way]
     make(om.sphere(1.0), 8)
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     wall, cpu = time.perf_counter(), time.process_time()
     counts = make(shape, resolution)
-    answers.put(
-        {
-            "seconds": time.perf_counter() - wall,
-            "cpu_seconds": time.process_time() - cpu,
-            "megabytes": (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024,
-            **counts,
-        }
-    )
+    return {
+        "seconds": time.perf_counter() - wall,
+        "cpu_seconds": time.process_time() - cpu,
+        "megabytes": (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024,
+        **counts,
+    }
 
 
 def measure(name: str, way: str, resolution: int) -> dict[str, Any]:
     context = multiprocessing.get_context("spawn")
     found = []
     for _ in range(ROUNDS):
-        answers = context.Queue()
-        process = context.Process(target=run, args=(name, way, resolution, answers))
-        process.start()
-        found.append(answers.get())
-        process.join()
+        with ProcessPoolExecutor(1, mp_context=context) as process:
+            found.append(process.submit(run, name, way, resolution).result())
     medians = {key: statistics.median(row[key] for row in found) for key in ("seconds", "cpu_seconds")}
     peak = max(row["megabytes"] for row in found)
     return {"shape": name, "way": way, "resolution": resolution, **found[0], **medians, "megabytes": peak}
