@@ -66,7 +66,7 @@ def near(n: int) -> Case:
     """Look from as far from the nearest corner as at 200 balls: they are as large, and few gaps are left."""
 
     def to_corner(count: int) -> float:
-        edge = (count * VOLUME_PER_BALL) ** (1 / 3)
+        edge: float = (count * VOLUME_PER_BALL) ** (1 / 3)
         return edge / 2 * sum(DIRECTION)
 
     distance = to_corner(n) + math.hypot(*balls(200).eye) - to_corner(200)
