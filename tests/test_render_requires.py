@@ -159,6 +159,18 @@ def test_other_skies_cost_one_evaluation_of_each_ray_that_sees_them(isa: str):
     assert image.stats["stages"]["sky"]["evaluations"] == (image.status == om.Status.MISS).sum() > 0
 
 
+def test_the_sky_is_made_for_colours_only(isa: str, monkeypatch: pytest.MonkeyPatch):
+    made = []
+    texture = om.Sky.texture
+    monkeypatch.setattr(om.Sky, "texture", lambda sky: made.append(sky) or texture(sky))
+    scene = om.Scene(PLAIN, lights=[SUN])
+    for planes in ([name for name in PLANES if name != "color"], "depth"):
+        om.render(scene, CAMERA, SIZE, planes=planes, isa=isa)
+    assert made == []
+    om.render(scene, CAMERA, SIZE, planes=("depth", "color"), isa=isa)
+    assert made == [scene.sky]
+
+
 # Reflections ---------------------------------------------------------------------------------------------------------
 
 

@@ -24,7 +24,7 @@ from octomarch.march import March
 from octomarch.planes import PLANES, PlaneName
 from octomarch.program import Program, compile
 from octomarch.progress import Callback, reporting
-from octomarch.scene import Scene
+from octomarch.scene import Scene, unlit
 from octomarch.shading import Shading
 from octomarch.shapes import Shape
 from octomarch.textures import Texture
@@ -124,7 +124,8 @@ def render(
     shading = shading.resolve(program)
 
     def take(view: View, window: Sequence[int], samples: int, planes: list[Any], report: Callback | None = None) -> Any:
-        of = view.program._native, scene._native(), view.camera._native(), view.march._native(), shading._native()
+        light = scene._native() if "color" in planes else unlit()
+        of = view.program._native, light, view.camera._native(), view.march._native(), shading._native()
         width, height = view.size
         return _core.render(*of, width, height, window, samples, planes, *options, report)
 

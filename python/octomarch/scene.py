@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -12,7 +13,7 @@ from octomarch import _validate as check
 from octomarch._validate import ColorLike, Vec3
 from octomarch.lights import DirectionalLight, Light, PointLight, SpotLight
 from octomarch.shapes import Shape
-from octomarch.skies import AnySky, Sky
+from octomarch.skies import AnySky, ConstantSky, Sky
 
 if TYPE_CHECKING:
     from octomarch.camera import AnyCamera
@@ -154,3 +155,9 @@ class Scene:
 
     def _native(self) -> _core.Scene:
         return _core.Scene([light._native() for light in self.lights], self.sky._native(), self.ambient)
+
+
+@functools.cache
+def unlit() -> _core.Scene:
+    """Return what stands for lights and sky where no colour is asked for; theirs take as long as a small picture."""
+    return _core.Scene([], ConstantSky(0)._native(), (0.0, 0.0, 0.0))
