@@ -8,9 +8,9 @@ new; ``clock`` is the first picture by the clock, on as many threads as there ar
 import argparse
 import json
 import math
-import time
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ import cells_tables
 import machine
 import octomarch as om
 from spheres import DIRECTION, FOV, SMOOTH, VOLUME_PER_BALL, balls
+from timing import Times
 
 SIZE = (640, 480)
 COUNTS = (200, 2000, 10_000, 100_000)
@@ -42,10 +43,10 @@ class Case:
     camera: om.Camera
     planes: tuple[str, ...] = ("depth",)
     lights: tuple[om.DirectionalLight, ...] = ()
-    march: om.March = field(default_factory=om.March)
+    max_distance: float = 100.0
 
     def render(self, shape: om.Shape, *, prune: bool = True, threads: int | None = 1) -> om.Image:
-        march = om.March(max_distance=self.march.max_distance, prune=prune)
+        march = om.March(max_distance=self.max_distance, prune=prune)
         scene = om.Scene(shape, lights=self.lights)
         return om.render(scene, self.camera, SIZE, planes=self.planes, march=march, threads=threads)
 
@@ -54,12 +55,11 @@ def sparse(n: int) -> Case:
     """Scene C."""
     recipe = balls(n)
     camera = om.Camera(recipe.eye, (0, 0, 0), fov=FOV)
-    march = om.March(max_distance=recipe.max_distance)
 
     def build(offset: float) -> om.Shape:
         return om.spheres(recipe.centers + np.float32(offset), recipe.radii, smooth=SMOOTH)
 
-    return Case(f"scene C, {n:,} balls", build, camera, march=march)
+    return Case(f"scene C, {n:,} balls", build, camera, max_distance=recipe.max_distance)
 
 
 def near(n: int) -> Case:
@@ -82,12 +82,11 @@ def dense(n: int) -> Case:
     centers = random.uniform(-edge / 2, edge / 2, (n, 3))
     radii = random.uniform(0.15, 0.35, n)
     eye = (0.72 * edge, 0.54 * edge, 1.2 * edge)
-    march = om.March(max_distance=max(100.0, 4 * edge))
 
     def build(offset: float) -> om.Shape:
         return om.spheres(centers + offset, radii, smooth=SMOOTH)
 
-    return Case(f"dense, {n:,} balls", build, om.Camera(eye, (0, 0, 0), fov=45), march=march)
+    return Case(f"dense, {n:,} balls", build, om.Camera(eye, (0, 0, 0), fov=FOV), max_distance=max(100.0, 4 * edge))
 
 
 SUN = (om.DirectionalLight((-1, -2, -1)),)
@@ -122,35 +121,21 @@ def cases(largest: int) -> list[Case]:
     ]
 
 
-def on_one_thread(case: Case, shape: om.Shape, *, prune: bool = True) -> tuple[float, om.Image]:
-    """Render, and return the processor time that it took."""
-    before = time.process_time()
-    image = case.render(shape, prune=prune)
-    return time.process_time() - before, image
-
-
-def by_the_clock(case: Case, shape: om.Shape) -> float:
-    before = time.perf_counter()
-    case.render(shape, threads=None)
-    return time.perf_counter() - before
-
-
 def measure(case: Case) -> Row:
-    times: list[list[float]] = []
-    clocks = []
+    processor, clock, whole = [], Times(), Times()
     stats: list[Any] = []
     for k in range(SHAPES):
         shape = case.build(1e-3 * k)
-        pictures = [on_one_thread(case, shape) for _ in range(PICTURES)]
-        times.append([taken for taken, _ in pictures])
-        stats = [image.stats for _, image in pictures]
-        clocks.append(by_the_clock(case, case.build(1e-3 * k + 5e-4)))
-    median = np.median(times, axis=0)
+        times = Times()
+        stats = [times.add(partial(case.render, shape)).stats for _ in range(PICTURES)]
+        processor.append(times.cpu)
+        fresh = case.build(1e-3 * k + 5e-4)
+        clock.add(partial(case.render, fresh, threads=None))
+    median = np.median(processor, axis=0) / 1e3
     shape = case.build(0.0)
     instructions = om.compile(shape).instructions
-    whole = None
-    if instructions <= WHOLE:
-        whole = float(np.median([on_one_thread(case, shape, prune=False)[0] for _ in range(SHAPES)]))
+    for _ in range(SHAPES if instructions <= WHOLE else 0):
+        whole.add(partial(case.render, shape, prune=False))
     cells = [found["cells"] for found in stats]
     return {
         "case": case.name,
@@ -158,8 +143,8 @@ def measure(case: Case) -> Row:
         "first": float(median[0]),
         "next": float(median[1]),
         "last": float(median[-1]),
-        "clock": float(np.median(clocks)),
-        "whole": whole,
+        "clock": float(np.median(clock.wall)) / 1e3,
+        "whole": float(np.median(whole.cpu)) / 1e3 if whole.cpu else None,
         "evaluations": stats[-1]["evaluations"],
         "cells": [cells[0], sum(cells)],
         "bytes": [stats[0]["cell_bytes"], stats[-1]["cell_bytes"]],
@@ -182,19 +167,16 @@ def queries(n: int) -> Row:
     }
     row: Row = {"case": case.name}
     for name, ask in asked.items():
-        times = []
+        processor = []
         for k in range(SHAPES):
             shape = case.build(1e-3 * k)
             om.compile(shape)
-            times.append([_seconds(ask, shape) for _ in range(3)])
-        row[name] = np.median(times, axis=0)[[0, -1]].tolist()
+            times = Times()
+            for _ in range(3):
+                times.add(partial(ask, shape))
+            processor.append(times.cpu)
+        row[name] = (np.median(processor, axis=0)[[0, -1]] / 1e3).tolist()
     return row
-
-
-def _seconds(ask: Callable[[om.Shape], object], shape: om.Shape) -> float:
-    before = time.process_time()
-    ask(shape)
-    return time.process_time() - before
 
 
 def main() -> None:

@@ -33,8 +33,9 @@ std::optional<TapePart> Packer::pack(const TapePart& part, Arena& arena) {
   for (std::size_t i = 0; i < part.length; ++i) {
     const std::optional<std::uint8_t> pattern = pattern_of(part.code[i]);
     if (!pattern) return std::nullopt;
-    for (; part.origins[i] - before > kLargestGap; before += kLargestGap)
+    for (; part.origins[i] - before > kLargestGap; before += kLargestGap) {
       packed_.push_back(pack_one(kSkip, kLargestGap));
+    }
     packed_.push_back(pack_one(*pattern, part.origins[i] - before));
     before = part.origins[i];
   }
