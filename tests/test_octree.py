@@ -113,6 +113,10 @@ SCENES: dict[str, Callable[[], om.Shape]] = {
         *scattered(12, lambda i: polygon(10).extrude(0.4) if i % 2 else polygon(8).revolve(0.6))
     ),
     "rotated boxes": lambda: om.union(*boxes(60)),
+    "blended boxes": lambda: om.union(*boxes(60), smooth=0.1),
+    "shells": lambda: om.union(*(ball.shell(0.1) for ball in balls(60)), smooth=0.05),
+    "capsules": lambda: om.capsules(*np.random.default_rng(8).uniform(-2, 2, (2, 80, 3)), np.full(80, 0.1), smooth=0.1),
+    "a crowd": lambda: om.spheres(np.random.default_rng(9).uniform(-2, 2, (3000, 3)), np.full(3000, 0.05), smooth=0.02),
     "a room": lambda: om.union(om.box(8).shell(0.1), *balls(60)),
 }
 CAMERAS = {
@@ -174,14 +178,14 @@ def test_pictures_are_the_same(name: str, precision: str):
 @pytest.mark.parametrize("march", MARCHES)
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_every_march_and_camera(march: str, camera: str):
-    for name in ("everything", "smooth unions"):
+    for name in ("everything", "smooth unions", "a crowd"):
         expected = rendered(name, camera, MARCHES[march] | WHOLE)
         check_same(rendered(name, camera, MARCHES[march]), expected)
         if march == "few steps":
             assert (expected.status == om.Status.STEP_LIMIT).any()
 
 
-@pytest.mark.parametrize("name", ["everything", "expressions", "metaballs"])
+@pytest.mark.parametrize("name", ["everything", "expressions", "metaballs", "blended boxes"])
 def test_every_instruction_set_number_of_threads_and_crop(name: str, isa: str, precision: str):
     options = {"precision": precision, "isa": isa, "shading": SHADINGS[1]}
     whole = rendered(name, march=WHOLE, precision=precision, shading=SHADINGS[1])
@@ -200,7 +204,7 @@ def test_samples_are_the_same():
 
 def test_counts_of_the_field_are_those_of_the_whole():
     """Which rays are marched together changes no ray's samples."""
-    for name in ("everything", "unions"):
+    for name in ("everything", "unions", "smooth unions"):
         found, whole = rendered(name).stats, rendered(name, march=WHOLE).stats
         assert found["evaluations"] == whole["evaluations"] > 0
         for stage, counts in whole["stages"].items():
@@ -251,7 +255,7 @@ def test_rays_are_those_of_the_whole_program(method: str, precision: str):
     origins = query_points(MANY)
     directions = np.random.default_rng(4).normal(size=(MANY, 3)) * 0.3 - np.clip(origins, -1e3, 1e3)
     directions[7::89] = np.nan
-    for name in ("everything", "expressions"):
+    for name in ("everything", "expressions", "a crowd", "blended boxes"):
         found, whole = (
             scene(name).shape.raycast(
                 origins,

@@ -16,7 +16,7 @@
 namespace octomarch {
 namespace {
 
-/// Balls all over a cube, so that cells have something to cut.
+/// Balls and boxes all over a cube, so that cells have something to cut, and no ray goes alone.
 auto compiled_cloud() {
   Random random(12);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   const auto place = [&] { return uniform(random, -4.0, 4.0); };
@@ -24,7 +24,7 @@ auto compiled_cloud() {
   for (int i = 0; i < 400; ++i) {
     const double x = place();
     const double y = place();
-    balls.push_back(translate(sphere(0.1), {x, y, place()}));
+    balls.push_back(translate(i % 2 == 0 ? sphere(0.1) : box({0.1, 0.1, 0.1}), {x, y, place()}));
   }
   return compile(combine(NodeKind::kUnion, std::move(balls), 0.0));
 }
@@ -75,23 +75,28 @@ class Sweeper {
     const std::uint64_t before = stage_.cells_visited;
     choice_.begin(kStayOfRay, is_cancelled_, stage_);
     for (std::size_t i = 0; i < walkers.at.size(); ++i) wait(walkers, i);
-    sweep_.run(nearest, [&](const TapePart& part, const Region<Real>& region, std::span<const Way> rays) {
-      CHECK(part.length <= octree_.tape().code.size());
-      CHECK(part.code[part.length - 1].op < Opcode{kOpcodeCount});
-      ++visits[{region.lo[0], region.lo[1], region.lo[2], region.hi[0], region.hi[1], region.hi[2]}];
-      marched_ += rays.size();
-      for (const Way way : rays) {
-        const std::size_t i = way.element();
-        const auto is_within = [&] { return contains(region, walkers.at[i][0], walkers.at[i][1], walkers.at[i][2]); };
-        REQUIRE(is_within());
-        for (int step = 0; step < patience && walkers.left[i] > 0 && is_within(); ++step) {
-          move(i);
-          --walkers.left[i];
-        }
-        if (walkers.left[i] > 0) wait(walkers, i);
-      }
-      if (--until_cancelled_ == 0) is_cancelled_ = true;
-    });
+    sweep_.run(
+        nearest,
+        [&](const TapePart& part, const Region<Real>& region, std::span<const Way> rays) {
+          CHECK(part.length <= octree_.tape().code.size());
+          CHECK(part.code[part.length - 1].op < Opcode{kOpcodeCount});
+          ++visits[{region.lo[0], region.lo[1], region.lo[2], region.hi[0], region.hi[1], region.hi[2]}];
+          marched_ += rays.size();
+          for (const Way way : rays) {
+            const std::size_t i = way.element();
+            const auto is_within = [&] {
+              return contains(region, walkers.at[i][0], walkers.at[i][1], walkers.at[i][2]);
+            };
+            REQUIRE(is_within());
+            for (int step = 0; step < patience && walkers.left[i] > 0 && is_within(); ++step) {
+              move(i);
+              --walkers.left[i];
+            }
+            if (walkers.left[i] > 0) wait(walkers, i);
+          }
+          if (--until_cancelled_ == 0) is_cancelled_ = true;
+        },
+        [](std::span<const Way> /*alone*/) { FAIL("the tape is no chain"); });
     int sum = 0;
     for (const auto& visit : visits) sum += visit.second;
     if (!is_cancelled_) CHECK(stage_.cells_visited - before == static_cast<std::uint64_t>(sum));

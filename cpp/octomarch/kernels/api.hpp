@@ -154,6 +154,39 @@ struct MarchState {
   std::int32_t* steps;  ///< evaluations of each ray, exactly `count` long, any alignment; null when not wanted
 };
 
+/// A chain (program/chain.hpp) as kernels see it.
+template <class Real>
+struct ChainView {
+  const Instruction* body;
+  std::size_t body_length;
+  std::size_t constants;  ///< of an operand
+  Instruction combine;
+  const Real* combine_constants;
+};
+
+/// Up to kLanes rays that are marched by step_chain, each in a region of its own: rows of kLanes.
+template <class Real>
+struct ChainBlock {
+  Vectors<Real> origin, direction;
+  Real* t_max;
+  Real* epsilon;
+  Real* t;  ///< this and the next three as in MarchState
+  Real* before;
+  Real* stride;
+  Real* boldness;
+  Vectors<Real> lo, hi;  ///< of each ray's region
+  Real* operands;        ///< how many there are in it, at least one
+  Real* constants;       ///< of the first of them, row by row, then of the second …
+  Real* registers;       ///< of the chain; the first three hold the rays' next samples
+  std::size_t lanes;     ///< in use, the first ones
+};
+
+/// Which rays of a block go on in their regions, and which left them: their next samples are outside.
+struct ChainStep {
+  std::uint64_t live;
+  std::uint64_t left;
+};
+
 /// Cones about blocks of rays: points o + t·d, from which no ray of the block is farther than width + t·spread.
 template <class Real>
 struct ConeView {
@@ -284,6 +317,12 @@ struct KernelTable {
   /// samples. No other long steps.
   void (*march_shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                        const Region<Real>* region, const MarchState<Real>&, Counters&);
+  /// Steps rays once, those of `live`: bit = lane. The field at their samples is left in the register that the chain's `combine`
+  /// writes. What other lanes hold may be overwritten.
+  ChainStep (*step_chain)(const ChainView<Real>&, const ChainBlock<Real>&, std::uint64_t live,
+                          const MarchParameters<Real>&, Counters&);
+  ChainStep (*step_chain_shadow)(const ChainView<Real>&, const ChainBlock<Real>&, std::uint64_t live,
+                                 const MarchParameters<Real>&, Counters&);
   /// What shadow rays let through: 0 where they met something.
   void (*visibility)(const RayView<Real>&, const MarchParameters<Real>&, const MarchState<Real>&, Real* out);
   /// What became of rays that have ended or are spent: octomarch::Status, and t, +inf for misses and invalid rays.

@@ -17,6 +17,33 @@
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
 
+/// What is the same at all steps of a march.
+template <class Real, class Steps, class Task>
+class Stepper {
+  using T = Lanes<Real>;
+
+ public:
+  Stepper(const MarchParameters<Real>& parameters, const Task& task)
+      : step_scale_(parameters.step_scale), slope_(parameters.epsilon_slope), steps_(parameters), task_(task) {}
+
+  /// Moves the rays of a batch on by the field at their samples.
+  Step<Real> take_step(BlockState<Real>& state, const Real* field, std::size_t lane, const T& t_max,
+                       const T& epsilon) const {
+    const T t = T::load(state.t + lane);
+    const T r = T::load(field + lane) * step_scale_;
+    const Step<Real> step = steps_.advance(state, lane, t, r, max(epsilon, slope_ * t), t_max);
+    task_.observe(state, lane, t, r, t_max, step.goes_on);
+    step.next.store(state.t + lane);
+    return step;
+  }
+
+ private:
+  T step_scale_;
+  T slope_;
+  Steps steps_;
+  Task task_;
+};
+
 template <class Real, class Steps, class Task>
 class Marcher {
   using T = Lanes<Real>;
@@ -32,8 +59,7 @@ class Marcher {
         parameters_(parameters),
         region_(region),
         march_(march),
-        steps_(parameters),
-        task_(task),
+        stepper_(parameters, task),
         counters_(counters) {}
 
   void run() {
@@ -155,11 +181,11 @@ class Marcher {
   template <class Column>
   [[gnu::flatten]] std::uint64_t step_rays(Block<Real>& block, const Real* field, std::size_t count,
                                            const Column& t_max, const Column& epsilon) {
-    const StepConstants constants(*this);
+    const Stepper<Real, Steps, Task> stepper = stepper_;
     std::uint64_t live = 0;
     for_each_batch<Real>(count, [&](std::size_t lane) {
       const T limit = t_max(lane);
-      const Step<Real> step = take_step(constants, block.state, field, lane, limit, epsilon(lane));
+      const Step<Real> step = stepper.take_step(block.state, field, lane, limit, epsilon(lane));
       live |= (step.goes_on & (step.next <= limit)).bits() << lane;
     });
     return live;
@@ -168,7 +194,7 @@ class Marcher {
   /// The same for a tape that may not be run everywhere: a ray whose next sample lies outside of the region is left as it
   /// is from then on.
   [[gnu::flatten]] std::uint64_t step_rays_in_region(Block<Real>& block, const Real* field, std::size_t count) {
-    const StepConstants constants(*this);
+    const Stepper<Real, Steps, Task> stepper = stepper_;
     const BlockState<Real>& state = block.state;
     const Region<Real> region = *region_;
     const T nowhere = -std::numeric_limits<Real>::infinity();
@@ -177,7 +203,7 @@ class Marcher {
     for_each_batch<Real>(count, [&](std::size_t lane) {
       const T t_max = T::load(state.t_max + lane);
       const T limit = select(Mask<Real>::from_bits(block.left >> lane), nowhere, t_max);
-      const Step<Real> step = take_step(constants, block.state, field, lane, limit, T::load(state.epsilon + lane));
+      const Step<Real> step = stepper.take_step(block.state, field, lane, limit, T::load(state.epsilon + lane));
       const T x = T::load(state.ox + lane) + step.next * T::load(state.dx + lane);
       const T y = T::load(state.oy + lane) + step.next * T::load(state.dy + lane);
       const T z = T::load(state.oz + lane) + step.next * T::load(state.dz + lane);
@@ -189,28 +215,6 @@ class Marcher {
     });
     block.left |= left & block.live;
     return live;
-  }
-
-  struct StepConstants {
-    T step_scale;
-    T slope;
-    Steps steps;
-    Task task;
-    explicit StepConstants(const Marcher& marcher)
-        : step_scale(marcher.parameters_.step_scale),
-          slope(marcher.parameters_.epsilon_slope),
-          steps(marcher.steps_),
-          task(marcher.task_) {}
-  };
-
-  static Step<Real> take_step(const StepConstants& constants, BlockState<Real>& state, const Real* field,
-                              std::size_t lane, const T& t_max, const T& epsilon) {
-    const T t = T::load(state.t + lane);
-    const T r = T::load(field + lane) * constants.step_scale;
-    const Step<Real> step = constants.steps.advance(state, lane, t, r, max(epsilon, constants.slope * t), t_max);
-    constants.task.observe(state, lane, t, r, t_max, step.goes_on);
-    step.next.store(state.t + lane);
-    return step;
   }
 
   void record_steps(const Block<Real>& block, std::uint64_t ended) {
@@ -314,56 +318,66 @@ class Marcher {
   const MarchParameters<Real> parameters_;
   const Region<Real>* const region_;
   const MarchState<Real> march_;
-  const Steps steps_;
-  const Task task_;
+  const Stepper<Real, Steps, Task> stepper_;
   Counters& counters_;
   const bool one_origin_ = rays_.ox.values == nullptr && rays_.oy.values == nullptr && rays_.oz.values == nullptr;
   const bool one_limit_ = rays_.t_max.values == nullptr && rays_.epsilon.values == nullptr;
   std::size_t next_ray_ = 0;
 };
 
-template <class Real>
-void march(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
-           const Region<Real>* region, const MarchState<Real>& state, Counters& counters) {
-  const auto run_task = [&]<class Steps, class Task>(const Steps&, const Task& task) {
-    Marcher<Real, Steps, Task>(tape, memory, rays, parameters, region, state, task, counters).run();
-  };
-  const auto run = [&]<class Steps>(const Steps& steps) {
+/// Calls run(steps, task) for how rays are to be marched.
+template <class Real, class Run>
+void with_task(const MarchParameters<Real>& parameters, Run&& run) {
+  const auto run_steps = [&]<class Steps>(const Steps& /*which*/) {
     if (parameters.finish) {
-      run_task(steps, HitTask<Real, Steps, Steps::kFinish>{});
+      run.template operator()<Steps>(HitTask<Real, Steps, Steps::kFinish>{});
     } else {
-      run_task(steps, HitTask<Real, Steps, Finish::kNone>{});
+      run.template operator()<Steps>(HitTask<Real, Steps, Finish::kNone>{});
     }
   };
   switch (parameters.stepping) {
-    case Stepping::kPlain: return run(PlainSteps<Real>(parameters));
-    case Stepping::kBiased: return run(BiasedSteps<Real>(parameters));
-    case Stepping::kRelaxed: return run(LongSteps<Real, Stepping::kRelaxed>(parameters));
-    case Stepping::kEnhanced: return run(LongSteps<Real, Stepping::kEnhanced>(parameters));
-    case Stepping::kFixed: return run(FixedSteps<Real>(parameters));
-    case Stepping::kCertified: return run(CertifiedSteps<Real>(parameters));
+    case Stepping::kPlain: return run_steps(PlainSteps<Real>(parameters));
+    case Stepping::kBiased: return run_steps(BiasedSteps<Real>(parameters));
+    case Stepping::kRelaxed: return run_steps(LongSteps<Real, Stepping::kRelaxed>(parameters));
+    case Stepping::kEnhanced: return run_steps(LongSteps<Real, Stepping::kEnhanced>(parameters));
+    case Stepping::kFixed: return run_steps(FixedSteps<Real>(parameters));
+    case Stepping::kCertified: return run_steps(CertifiedSteps<Real>(parameters));
     case Stepping::kShadow: return;  // of shadow rays alone
   }
+}
+
+/// The same for shadow rays.
+template <class Real, class Run>
+void with_shadow_task(const MarchParameters<Real>& parameters, Run&& run) {
+  const auto run_steps = [&]<class Steps>(const Steps& /*which*/) {
+    run.template operator()<Steps>(ShadowTask<Real, Steps>{Lanes<Real>(parameters.k)});
+  };
+  switch (parameters.stepping) {
+    case Stepping::kPlain: return run_steps(PlainSteps<Real>(parameters));
+    case Stepping::kBiased: return run_steps(BiasedSteps<Real>(parameters));
+    case Stepping::kShadow: return run_steps(LongSteps<Real, Stepping::kShadow>(parameters));
+    case Stepping::kFixed: return run_steps(FixedSteps<Real>(parameters));
+    case Stepping::kRelaxed:
+    case Stepping::kEnhanced:
+    case Stepping::kCertified: return;  // of other rays
+  }
+}
+
+template <class Real>
+void march(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays, const MarchParameters<Real>& parameters,
+           const Region<Real>* region, const MarchState<Real>& state, Counters& counters) {
+  with_task<Real>(parameters, [&]<class Steps, class Task>(const Task& task) {
+    Marcher<Real, Steps, Task>(tape, memory, rays, parameters, region, state, task, counters).run();
+  });
 }
 
 template <class Real>
 void march_shadow(const TapeView<Real>& tape, Real* memory, const RayView<Real>& rays,
                   const MarchParameters<Real>& parameters, const Region<Real>* region, const MarchState<Real>& state,
                   Counters& counters) {
-  const auto run = [&]<class Steps>(const Steps&) {
-    using Task = ShadowTask<Real, Steps>;
-    const Task task{Lanes<Real>(parameters.k)};
+  with_shadow_task<Real>(parameters, [&]<class Steps, class Task>(const Task& task) {
     Marcher<Real, Steps, Task>(tape, memory, rays, parameters, region, state, task, counters).run();
-  };
-  switch (parameters.stepping) {
-    case Stepping::kPlain: return run(PlainSteps<Real>(parameters));
-    case Stepping::kBiased: return run(BiasedSteps<Real>(parameters));
-    case Stepping::kShadow: return run(LongSteps<Real, Stepping::kShadow>(parameters));
-    case Stepping::kFixed: return run(FixedSteps<Real>(parameters));
-    case Stepping::kRelaxed:
-    case Stepping::kEnhanced:
-    case Stepping::kCertified: return;  // of other rays
-  }
+  });
 }
 
 }  // namespace octomarch::kernels::OCTOMARCH_ISA

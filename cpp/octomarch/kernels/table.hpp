@@ -2,6 +2,7 @@
 #pragma once
 
 #include "octomarch/kernels/camera.hpp"
+#include "octomarch/kernels/chains.hpp"
 #include "octomarch/kernels/compare.hpp"
 #include "octomarch/kernels/cones.hpp"
 #include "octomarch/kernels/finish.hpp"
@@ -26,6 +27,8 @@ constexpr KernelTable<Real> make_table() {
       .begin_march = &begin_march<Real>,
       .march = &march<Real>,
       .march_shadow = &march_shadow<Real>,
+      .step_chain = &step_chain<Real>,
+      .step_chain_shadow = &step_chain_shadow<Real>,
       .visibility = &visibility<Real>,
       .conclude = &conclude<Real>,
       .secants = &secants<Real>,

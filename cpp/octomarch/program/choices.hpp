@@ -44,6 +44,12 @@ constexpr bool takes_larger(Opcode op) {
          op == Opcode::kSelectIntersection || op == Opcode::kMixIntersection;
 }
 
+/// Is there a kernel that runs it with constants of each lane's own? Of what makes primitives, and decides nothing.
+constexpr bool runs_by_lanes(Opcode op) {
+  return info(op).of_coordinates == OfCoordinates::kNumber || op == Opcode::kRotate || op == Opcode::kShell ||
+         op == Opcode::kAddConstant || op == Opcode::kMultiplyConstant;
+}
+
 /// In so many times its k the exponential blend is nothing, even beside a denormal number.
 template <class Real>
 constexpr Real kMetaballReach = sizeof(Real) == sizeof(float) ? Real(128) : Real(1024);

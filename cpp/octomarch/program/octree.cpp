@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -74,28 +75,10 @@ std::uint64_t hash_of(const TapePart& part) {
 }  // namespace
 
 template <class Real>
-typename Octree<Real>::Cell* Octree<Real>::Cell::child(unsigned octant) const {
-  const Branch* const made = branch.load(std::memory_order_acquire);
-  return made == nullptr ? nullptr : made->children[octant].load(std::memory_order_acquire);
-}
-
-template <class Real>
 typename Octree<Real>::Place Octree<Real>::Place::child(unsigned octant) const {
   Place place{top, level + 1, corner};
   for (unsigned axis = 0; axis < 3; ++axis) place.corner[axis] += (octant >> axis & 1U) << (kLevels - place.level);
   return place;
-}
-
-template <class Real>
-Region<Real> Octree<Real>::Place::region() const {
-  const std::uint32_t across = 1U << (kLevels - level);
-  Region<Real> region;
-  for (unsigned axis = 0; axis < 3; ++axis) {
-    const auto end = [&](std::uint32_t at) { return top->lo[axis] + static_cast<Real>(at) * top->size; };
-    region.lo[axis] = end(corner[axis]) - top->room;
-    region.hi[axis] = end(corner[axis] + across) + top->room;
-  }
-  return region;
 }
 
 template <class Real>
@@ -105,12 +88,19 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus)
 template <class Real>
 Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes)
     : tape_(tape),
+      chain_(Chain::of(tape)),
       focus_size_(static_cast<Real>(longest_side(focus))),
       most_bytes_(most_bytes),
-      whole_(whole_of(tape)),
       constants_(constants_of(tape)) {
   constexpr double kFarthest = static_cast<double>(std::numeric_limits<Real>::max()) / 16.0;
-  outside_.part = whole_.view();
+  if (chain_) {
+    constants_of_operands_ = chain_->constants_of_operands<Real>();
+    all_operands_.resize(chain_->operands());
+    std::iota(all_operands_.begin(), all_operands_.end(), 0U);
+  } else {
+    whole_ = whole_of(tape);
+  }
+  outside_.part = whole();
   outside_.is_leaf = true;
   tops_ = std::vector<Top>(kTops);
   const double middle[3] = {0.5 * (focus.lo.x + focus.hi.x), 0.5 * (focus.lo.y + focus.hi.y),
@@ -125,25 +115,33 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
       farthest = std::max(farthest, std::fabs(middle[axis]) + 2.0 * half);
     }
     top.room = static_cast<Real>(8.0 * static_cast<double>(std::numeric_limits<Real>::epsilon()) * farthest);
-    top.cell.part = whole_.view();
+    top.cell.part = whole();
     top.cell.is_leaf = is_small({&top, 0, {}});
     half = std::min(half * kGrowth, kFarthest);
   }
   cells_ = 1 + tops_.size();
-  bytes_ =
-      sizeof(*this) + tops_.size() * sizeof(Top) + tape.code.size() * (sizeof(Instruction) + 2 * sizeof(std::uint32_t));
+  bytes_ = sizeof(*this) + tops_.size() * sizeof(Top) + constants_.size() * sizeof(std::uint32_t) +
+           whole_.code.size() * (sizeof(Instruction) + sizeof(std::uint32_t)) +
+           all_operands_.size() * sizeof(std::uint32_t) + constants_of_operands_.size() * sizeof(Real);
+}
+
+template <class Real>
+TapePart Octree<Real>::whole() const {
+  return chain_ ? chain_->part_of(all_operands_) : whole_.view();
+}
+
+template <class Real>
+std::uint32_t Octree<Real>::registers() const {
+  return std::max(tape_.registers, chain_ ? chain_->registers() : 0U);
 }
 
 template <class Real>
 std::uint64_t Octree<Real>::way_to(Real x, Real y, Real z) const {
   for (std::size_t i = 0; i < tops_.size(); ++i) {
-    const Top& top = tops_[i];
-    const Real cells[3] = {(x - top.lo[0]) * top.per_size, (y - top.lo[1]) * top.per_size,
-                           (z - top.lo[2]) * top.per_size};
-    const auto is_within = [](Real at) { return (at >= Real(0)) & (at < kAcross<Real>); };
-    if (!(is_within(cells[0]) & is_within(cells[1]) & is_within(cells[2]))) continue;
+    std::array<std::uint32_t, 3> at;
+    if (!tops_[i].find(x, y, z, at)) continue;
     std::uint64_t way = static_cast<std::uint64_t>(i) << kWayBits;
-    for (unsigned axis = 0; axis < 3; ++axis) way |= spread(static_cast<std::uint32_t>(cells[axis])) << axis;
+    for (unsigned axis = 0; axis < 3; ++axis) way |= spread(at[axis]) << axis;
     return way;
   }
   return static_cast<std::uint64_t>(tops_.size()) << kWayBits;
@@ -193,7 +191,7 @@ bool Octree<Real>::is_small(const Place& place) const {
 
 template <class Real>
 CellMaker<Real>::CellMaker(Octree<Real>& octree, Sampler<Real>& sampler)
-    : octree_(octree), pruner_(octree.tape(), &sampler), unpacker_(octree.constants()), arena_(octree.lend()) {}
+    : octree_(octree), pruner_(octree.tape(), &sampler), unpacker_(octree.unpacker()), arena_(octree.lend()) {}
 
 template <class Real>
 CellMaker<Real>::~CellMaker() {
@@ -239,6 +237,11 @@ typename Octree<Real>::Cell* CellMaker<Real>::make(const Cell& parent, const Pla
 /// A part in memory that stays. Equal short parts are one.
 template <class Real>
 TapePart CellMaker<Real>::kept(const TapePart& part, bool is_final, Arena& arena) {
+  const Chain* const chain = octree_.chain();
+  if (chain != nullptr && chain->find_operands(part, operands_)) {
+    const std::span<const std::uint32_t> operands(operands_);
+    return chain->part_of({arena.copy(operands), operands.size()});
+  }
   if (part.length > kPacked && !is_final) {
     if (const std::optional<TapePart> packed = packer_.pack(part, arena)) return *packed;
   }

@@ -18,6 +18,7 @@
 
 #include "octomarch/base/arena.hpp"
 #include "octomarch/base/hash_table.hpp"
+#include "octomarch/program/chain.hpp"
 #include "octomarch/program/packed_part.hpp"
 #include "octomarch/program/prune.hpp"
 
@@ -33,7 +34,10 @@ class Octree {
   static constexpr unsigned kLevels = 13;
   static constexpr std::size_t kTops = 24;  ///< largest cells, beyond which nobody looks
 
-  struct Branch;
+  struct Cell;
+  struct alignas(Arena::kAlignment) Branch {
+    std::array<std::atomic<Cell*>, 8> children{};
+  };
   /// One cache line: whoever passes by looks at all of it.
   struct alignas(Arena::kAlignment) Cell {
     TapePart part;                         ///< of the tape, that decides in the cell's region
@@ -44,10 +48,10 @@ class Octree {
     bool is_leaf = false;
 
     /// A child, if it has been made. `octant`: bit 0 is set for the upper half along x, bit 1 along y, bit 2 along z.
-    Cell* child(unsigned octant) const;
-  };
-  struct alignas(Arena::kAlignment) Branch {
-    std::array<std::atomic<Cell*>, 8> children{};
+    Cell* child(unsigned octant) const {
+      const Branch* const made = branch.load(std::memory_order_acquire);
+      return made == nullptr ? nullptr : made->children[octant].load(std::memory_order_acquire);
+    }
   };
 
   /// One of the largest cells, a cube: points that it holds and those before it do not are looked for below it.
@@ -59,6 +63,15 @@ class Octree {
     Cell cell;
     std::once_flag is_walked;
     std::vector<Margin> margins;  ///< of the tape, where it is run at points of the cell; made when first asked for
+
+    /// Where a point is, in smallest cells; false, and nothing, where it is not in this one.
+    bool find(Real x, Real y, Real z, std::array<std::uint32_t, 3>& at) const {
+      const Real cells[3] = {(x - lo[0]) * per_size, (y - lo[1]) * per_size, (z - lo[2]) * per_size};
+      const auto is_within = [](Real c) { return (c >= Real(0)) & (c < Real(1U << kLevels)); };
+      if (!(is_within(cells[0]) & is_within(cells[1]) & is_within(cells[2]))) return false;
+      for (unsigned axis = 0; axis < 3; ++axis) at[axis] = static_cast<std::uint32_t>(cells[axis]);
+      return true;
+    }
   };
 
   /// Where a cell is.
@@ -69,7 +82,16 @@ class Octree {
 
     Place child(unsigned octant) const;
     /// Holds all points that are found there, and a little more.
-    Region<Real> region() const;
+    Region<Real> region() const {
+      const std::uint32_t across = 1U << (kLevels - level);
+      Region<Real> region;
+      for (unsigned axis = 0; axis < 3; ++axis) {
+        const auto end = [&](std::uint32_t at) { return top->lo[axis] + static_cast<Real>(at) * top->size; };
+        region.lo[axis] = end(corner[axis]) - top->room;
+        region.hi[axis] = end(corner[axis] + across) + top->room;
+      }
+      return region;
+    }
   };
 
   /// `focus`: where most of the shape is, in which it is subdivided until that no longer helps. `most_bytes`: memory at which no
@@ -79,8 +101,14 @@ class Octree {
   Octree(const Octree&) = delete;
 
   const Tape& tape() const { return tape_; }
-  /// Of the tape's instructions, for unpackers of parts.
-  std::span<const std::uint32_t> constants() const { return constants_; }
+  /// Which the tape is, or null. Its parts are lists of operands.
+  const Chain* chain() const { return chain_ ? &*chain_ : nullptr; }
+  /// Constants of an operand of the chain.
+  const Real* constants_of_operand(std::size_t operand) const {
+    return constants_of_operands_.data() + operand * chain_->constants();
+  }
+  /// That parts need at the most.
+  std::uint32_t registers() const;
 
   /// The largest cells, each about the one before.
   std::vector<Top>& tops() { return tops_; }
@@ -89,6 +117,14 @@ class Octree {
   /// The way to a point's smallest cell: which of the tops, tops().size() standing for none, and below, for each level, three bits
   /// that say which octant. The numbers of points in one cell follow each other. O(tops).
   std::uint64_t way_to(Real x, Real y, Real z) const;
+  /// The top below which a point is looked for, and where it is there, in smallest cells; null where it is in none. O(tops).
+  Top* find(Real x, Real y, Real z, std::array<std::uint32_t, 3>& at) {
+    for (Top& top : tops_) {
+      if (top.find(x, y, z, at)) return &top;
+    }
+    return nullptr;
+  }
+  Unpacker unpacker() const { return Unpacker(constants_, chain()); }
   static constexpr unsigned kWayBits = 3 * kLevels;
 
   /// Has memory ended?
@@ -105,11 +141,15 @@ class Octree {
   void give_back(std::unique_ptr<Arena> arena);
   bool is_small(const Place& place) const;
   const Margin* margins(Top& top);
+  TapePart whole() const;
 
   const Tape& tape_;
+  std::optional<Chain> chain_;
+  std::vector<Real> constants_of_operands_;
+  std::vector<std::uint32_t> all_operands_;
   Real focus_size_;
   std::size_t most_bytes_;
-  HeldPart whole_;
+  HeldPart whole_;  ///< where the tape is no chain
   std::vector<std::uint32_t> constants_;
   std::atomic<std::size_t> cells_{0};
   std::atomic<std::size_t> bytes_{0};
@@ -147,6 +187,7 @@ class CellMaker {
   Pruner<Real> pruner_;
   Packer packer_;
   Unpacker unpacker_;
+  std::vector<std::uint32_t> operands_;
   std::unique_ptr<Arena> arena_;
   Arena passing_;
 };

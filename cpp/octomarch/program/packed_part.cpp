@@ -67,11 +67,23 @@ std::vector<std::uint32_t> constants_of(const Tape& tape) {
   return constants;
 }
 
+void Unpacker::reserve(std::size_t length) {
+  if (code_.size() >= length) return;
+  code_.resize(length);
+  origins_.resize(length);
+}
+
 TapePart Unpacker::ready(const TapePart& part) {
-  if (part.packed == nullptr) return part;
-  if (code_.size() < part.length) {
-    code_.resize(part.length);
-    origins_.resize(part.length);
+  const bool is_of_chain = part.code == nullptr;
+  if (part.packed == nullptr && !is_of_chain) return part;
+  reserve(part.length);
+  TapePart unpacked = part;
+  unpacked.code = code_.data();
+  unpacked.packed = nullptr;
+  unpacked.origins = origins_.data();
+  if (is_of_chain) {
+    chain_->write_code(part, code_.data(), origins_.data());
+    return unpacked;
   }
   std::uint32_t origin = 0;
   const PackedInstruction* next = part.packed;
@@ -82,10 +94,6 @@ TapePart Unpacker::ready(const TapePart& part) {
     code_[i].constants = constants_[origin];
     origins_[i++] = origin;
   }
-  TapePart unpacked = part;
-  unpacked.code = code_.data();
-  unpacked.packed = nullptr;
-  unpacked.origins = origins_.data();
   return unpacked;
 }
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "octomarch/base/arena.hpp"
+#include "octomarch/program/chain.hpp"
 #include "octomarch/program/tape_part.hpp"
 
 namespace octomarch {
@@ -33,14 +34,18 @@ std::vector<std::uint32_t> constants_of(const Tape& tape);
 /// Unpacks parts, one at a time.
 class Unpacker {
  public:
-  /// `constants`: of the tape. They must outlive this.
-  explicit Unpacker(std::span<const std::uint32_t> constants) : constants_(constants) {}
+  /// `constants`: of the tape. `chain`: which it is, or null. They must outlive this.
+  explicit Unpacker(std::span<const std::uint32_t> constants, const Chain* chain = nullptr)
+      : constants_(constants), chain_(chain) {}
 
-  /// The part ready to be run or pruned, until the next call. O(length) where it is packed, else O(1).
+  /// The part ready to be run or pruned, until the next call. O(length) where it is packed or of a chain, else O(1).
   TapePart ready(const TapePart& part);
 
  private:
+  void reserve(std::size_t length);
+
   std::span<const std::uint32_t> constants_;  // rather than the tape, of which they are a fifth: they stay in the cache
+  const Chain* chain_;
   std::vector<Instruction> code_;
   std::vector<std::uint32_t> origins_;
 };

@@ -21,9 +21,10 @@ static_assert(sizeof(PackedInstruction) == 3);
 
 /// Instructions and registers of a part of a tape, which somebody else holds; constants, images and inputs are the tape's.
 struct TapePart {
-  const Instruction* code = nullptr;          ///< in packed parts: one of each pattern
+  const Instruction* code = nullptr;          ///< in packed parts: one of each pattern; null in parts of chains
   const PackedInstruction* packed = nullptr;  ///< null in parts that are not
-  /// Where each instruction stands in the tape, ascending; null in packed parts and in final ones.
+  /// Where each instruction stands in the tape, ascending; null in packed parts and in final ones. In parts of chains the numbers
+  /// of their operands, see chain.hpp.
   const std::uint32_t* origins = nullptr;
   const std::uint16_t* results = nullptr;
   std::uint32_t length = 0;

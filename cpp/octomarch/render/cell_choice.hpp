@@ -31,7 +31,10 @@ class CellChoice {
 
   /// Both must outlive this.
   CellChoice(Octree<Real>& octree, Sampler<Real>& sampler)
-      : octree_(octree), maker_(octree, sampler), unpacker_(octree.constants()) {}
+      : octree_(octree),
+        maker_(octree, sampler),
+        unpacker_(octree.unpacker()),
+        most_length_(octree.chain() == nullptr ? 0 : octree.chain()->length(kMostOperands)) {}
 
   Octree<Real>& octree() { return octree_; }
 
@@ -72,6 +75,26 @@ class CellChoice {
     return is_worth(cell, entering_cost(all) + running_cost(length, all) - apart, price);
   }
 
+  /// Cells of a chain that have no more operands than this can be run lane by lane (chain_lanes.hpp).
+  static constexpr std::size_t kMostOperands = 128;
+  static bool is_of_chain(const Cell& cell) { return cell.part.code == nullptr; }
+  bool fits_lanes(const Cell& cell) const { return is_of_chain(cell) && cell.part.length <= most_length_; }
+  /// Are a cell's rays so few that each should rather run a part of its own, in a cell as small as is worth it? Where memory has ended
+  /// lanes may not find a cell.
+  bool go_alone(const Cell& cell, std::size_t rays) const {
+    return rays <= kFew && fits_lanes(cell) && !octree_.is_full();
+  }
+  /// Is a child to be made for an element that is run alone? For cells that are no leaves.
+  bool is_worth_making_alone(Cell& cell) {
+    if (is_cancelled() || octree_.is_full()) return false;
+    if (!fits_lanes(cell)) return true;
+    const double length = cell.part.length;
+    const double once = kLaneCost * stay_.evaluations;
+    const double stay = kAloneCost + length * (once + kLoadCost);
+    const double apart = stay_.octants * kAloneCost + hoped_length(cell) * (once + stay_.octants * kLoadCost);
+    return is_worth(cell, stay - apart, kCellPrice + kPruningPrice * length);
+  }
+
   /// A child; where the octree is full, until the next call of begin() or forget_passing() only.
   Cell& child(Cell& parent, const Place& place, unsigned octant) {
     Cell* const known = parent.child(octant);
@@ -88,6 +111,11 @@ class CellChoice {
   static constexpr double kElementCost = 10.0;     ///< and of each of its elements
   static constexpr double kInstructionCost = 1.0;  ///< of an instruction of an evaluation by itself
   static constexpr double kBatchCost = 1.6;        ///< and for each batch
+  static constexpr double kAloneCost = 60.0;       ///< of an element that comes to a cell alone
+  static constexpr double kLoadCost = 0.65;        ///< and of an instruction there by itself
+  static constexpr double kLaneCost = 0.25;        ///< and for each evaluation
+  /// A group of more rays is faster than so many alone.
+  static constexpr std::size_t kFew = 32;
   /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
   /// thirtieth of what it takes, since the smaller cells below it will gain more.
   static constexpr double kCellPrice = 2000.0;
@@ -129,6 +157,7 @@ class CellChoice {
   Octree<Real>& octree_;
   CellMaker<Real> maker_;
   Unpacker unpacker_;
+  std::size_t most_length_;  ///< of parts that can be run lane by lane
   Stay stay_ = kStayOfPoint;
   const bool* cancelled_ = nullptr;
   StageStats* stage_ = nullptr;

@@ -5,12 +5,14 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "octomarch/kernels/api.hpp"
 #include "octomarch/render/buffer.hpp"
 #include "octomarch/render/cell_sweep.hpp"
+#include "octomarch/render/chain_march.hpp"
 #include "octomarch/render/rays.hpp"
 
 namespace octomarch {
@@ -22,18 +24,21 @@ class CellMarch {
   using Rays = kernels::RayView<Real>;
   using Parameters = kernels::MarchParameters<Real>;
   using State = kernels::MarchState<Real>;
-
   /// `choice` must outlive this.
-  explicit CellMarch(CellChoice<Real>& choice) : choice_(choice), sweep_(choice) {}
+  explicit CellMarch(CellChoice<Real>& choice) : choice_(choice), sweep_(choice) {
+    if (choice.octree().chain() != nullptr) alone_.emplace(choice);
+  }
 
   /// Marches rays until all have ended or spent their steps, or the march is cancelled. run(part, rays, parameters, region, state)
-  /// marches those of one cell until they leave its region. Counts cells for `stage`.
-  template <class Run>
-  void march(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run) {
+  /// marches those of one cell until they leave its region, step(chain, block, parameters, live) is the kernel for rays of many.
+  /// Counts cells for `stage`.
+  template <class Run, class Step>
+  void march(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run,
+             Step&& step) {
     choice_.begin(kStayOfRay, *parameters.cancelled, stage);
     taken_.assign(rays.count, 0);
     const unsigned nearest = start(rays, state);
-    sweep_.run(nearest, [&](const TapePart& part, const Region<Real>& region, std::span<const Way> waiting) {
+    const auto march_cell = [&](const TapePart& part, const Region<Real>& region, std::span<const Way> waiting) {
       const Rays gathered = gather(rays, state, waiting);
       Parameters left = parameters;
       for (const Way way : waiting) {
@@ -41,7 +46,18 @@ class CellMarch {
       }
       run(part, gathered, left, region, gathered_state());
       take_back(rays, parameters.max_steps, state, waiting);
-    });
+    };
+    const auto march_alone = [&](std::span<const Way> waiting) {
+      alone_->march(rays, waiting, parameters.max_steps, state, taken_.data(),
+                    [&](const auto&... all) { return step(all..., parameters); });
+      for (const Way way : waiting) {
+        const std::size_t i = way.element();
+        if (static_cast<kernels::Pause>(state.pause[i]) != kernels::Pause::kLeft) continue;
+        state.pause[i] = static_cast<std::uint8_t>(kernels::Pause::kSpent);
+        wait(rays, state, i);
+      }
+    };
+    sweep_.run(nearest, march_cell, march_alone);
     if (state.steps != nullptr) std::copy_n(taken_.data(), rays.count, state.steps);
   }
 
@@ -134,7 +150,8 @@ class CellMarch {
 
   CellChoice<Real>& choice_;
   CellSweep<Real> sweep_;
-  std::vector<std::int32_t> taken_;  ///< steps of each ray so far
+  std::optional<ChainMarch<Real>> alone_;  ///< where the tape is a chain
+  std::vector<std::int32_t> taken_;        ///< steps of each ray so far
   // of the rays of one cell:
   VectorBuffer<Real> origin_, direction_;
   Buffer<Real> t_max_, epsilon_, t_, radius_, before_, stride_, boldness_;

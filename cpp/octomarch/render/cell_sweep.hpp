@@ -31,11 +31,11 @@ class CellSweep {
     if (x == x && y == y && z == z) arrived_.push({choice_.octree().way_to(x, y, z), ray});
   }
 
-  /// Calls march(part, region, rays) for the rays of one cell after the other until none waits any more; march adds
-  /// those that have not ended. `nearest`: the octant that most rays come from. Where the choice is cancelled rays are left as
+  /// Calls march(part, region, rays) for the rays of one cell after the other until none waits any more, and march_alone(rays) for
+  /// those that had better run parts of their own; both add rays that have not ended. `nearest`: the octant that most rays come from. Where the choice is cancelled rays are left as
   /// they are.
-  template <class March>
-  void run(unsigned nearest, March&& march) {
+  template <class March, class MarchAlone>
+  void run(unsigned nearest, March&& march, MarchAlone&& march_alone) {
     nearest_ = nearest;
     for (bool goes_on = true; goes_on;) {
       goes_on = false;
@@ -54,6 +54,10 @@ class CellSweep {
       }
       for (const Way way : gone_back_) arrived_.push(way);
       gone_back_.clear();
+      if (alone_.is_empty()) continue;
+      goes_on = true;
+      if (!choice_.is_cancelled()) march_alone(std::span(alone_.begin(), alone_.size()));
+      alone_.clear();
     }
   }
 
@@ -61,6 +65,10 @@ class CellSweep {
   /// Marches the rays of a cell, or of its octants from front to back.
   template <class March>
   void visit(Cell& cell, const Place& place, Ways& rays, March&& march) {
+    if (choice_.go_alone(cell, rays.size())) {
+      for (const Way way : rays) alone_.push(way);
+      return rays.clear();
+    }
     if (cell.is_leaf) return march_cell(cell, place.region(), rays, march);
     const unsigned level = place.level;
     std::array<std::uint32_t, 8> counts{};
@@ -115,6 +123,7 @@ class CellSweep {
   std::vector<typename Octree<Real>::Top>& tops_;
   unsigned nearest_ = 0;
   Ways arrived_;               ///< in no list yet
+  Ways alone_;                 ///< where only a few rays share a cell
   Ways gone_back_;             ///< to cells that this sweep has left behind
   std::vector<Ways> at_tops_;  ///< by tops, then those outside of all
   std::array<std::array<Ways, 8>, Octree<Real>::kLevels>

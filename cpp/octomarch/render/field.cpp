@@ -41,7 +41,7 @@ Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<R
       octree_(shared.octree.get()),
       clips_to_bounds_(shared.clips_to_bounds),
       kernels_(kernels),
-      tape_(program_.distance(), TapeUse::kMarches),
+      tape_(program_.distance(), TapeUse::kMarches, octree_),
       points_(kernels::padded_lanes(size)),
       values_(kernels::padded_lanes(size)),
       ends_(kernels::padded_lanes(size)),
@@ -110,7 +110,7 @@ void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size
 template <class Real>
 void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
                            const kernels::Vectors<Real>& out, StageStats& stage) {
-  if (!gradient_) gradient_.emplace(program_.distance(), TapeUse::kGradients);
+  if (!gradient_) gradient_.emplace(program_.distance(), TapeUse::kGradients, octree_);
   if (!groups_) {
     count_run(gradient_->view(), count, 1, stage.work);
     return kernels_.gradient(gradient_->view(), gradient_->memory(), points, count, &cancelled, out);
@@ -155,16 +155,18 @@ void Field<Real>::sample_around(const kernels::Vectors<const Real>& points, std:
 }
 
 template <class Real>
-template <class Run>
+template <class Run, class Step>
 void Field<Real>::march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage,
-                            Run&& run) {
+                            Run&& run, Step&& step) {
   if (!cell_march_) {
     const Region<Real>* const everywhere = nullptr;
     return run(tape_.view(), tape_.memory(), rays, parameters, everywhere, state);
   }
-  cell_march_->march(rays, parameters, state, stage,
-                     [&](const TapePart& part, const Rays& of_cell, const Parameters& left, const Region<Real>& region,
-                         const State& its) { run(tape_.view(part), tape_.memory(), of_cell, left, &region, its); });
+  cell_march_->march(
+      rays, parameters, state, stage,
+      [&](const TapePart& part, const Rays& of_cell, const Parameters& left, const Region<Real>& region,
+          const State& its) { run(tape_.view(part), tape_.memory(), of_cell, left, &region, its); },
+      step);
 }
 
 template <class Real>
@@ -174,9 +176,12 @@ void Field<Real>::march_limited(const Rays& rays, const Parameters& parameters, 
   std::uint8_t* const status = batch.status.data();
   const bool is_fixed = parameters.stepping == kernels::Stepping::kFixed;
   kernels_.begin_march(rays, parameters, is_fixed ? Real(0) : kernels::kNothingBefore<Real>, state);
-  march_all(rays, parameters, state, stage, [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
-    counted(tape, stage.work, [&] { kernels_.march(tape, rest..., stage.work); });
-  });
+  march_all(
+      rays, parameters, state, stage,
+      [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
+        counted(tape, stage.work, [&] { kernels_.march(tape, rest..., stage.work); });
+      },
+      [&](const auto&... all) { return kernels_.step_chain(all..., stage.work); });
   kernels_.conclude(rays, parameters, state, status);
   if (!parameters.finish || parameters.stepping == kernels::Stepping::kCertified) return;
   if (is_fixed) {
@@ -203,9 +208,12 @@ void Field<Real>::cast_limited_shadows(const Rays& rays, const Parameters& param
                                        Real* visibility, StageStats& stage) {
   const kernels::MarchState<Real> state = batch.state(nullptr);
   kernels_.begin_march(rays, parameters, Real(1), state);
-  march_all(rays, parameters, state, stage, [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
-    counted(tape, stage.work, [&] { kernels_.march_shadow(tape, rest..., stage.work); });
-  });
+  march_all(
+      rays, parameters, state, stage,
+      [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
+        counted(tape, stage.work, [&] { kernels_.march_shadow(tape, rest..., stage.work); });
+      },
+      [&](const auto&... all) { return kernels_.step_chain_shadow(all..., stage.work); });
   kernels_.visibility(rays, parameters, state, visibility);
 }
 

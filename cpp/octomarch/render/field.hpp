@@ -85,9 +85,11 @@ class Field {
   kernels::PlanesView<Real> planes() const { return {planes_.data(), planes_.size() / 4}; }
   void march_cones(const Rays& rays, const Parameters& parameters, StageStats& stage);
   std::uint64_t enter_bounds(const Parameters& parameters, std::size_t count);
-  /// Marches until all rays have ended, by the kernel run(tape, memory, rays, parameters, region, state).
-  template <class Run>
-  void march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run);
+  /// Marches until all rays have ended, by the kernels run(tape, memory, rays, parameters, region, state) and
+  /// step(chain, block, parameters, live).
+  template <class Run, class Step>
+  void march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run,
+                 Step&& step);
   /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_.
   template <class Function>
   void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,

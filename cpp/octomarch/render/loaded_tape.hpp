@@ -8,7 +8,7 @@
 
 #include "octomarch/kernels/dispatch.hpp"
 #include "octomarch/program/axis_steps.hpp"
-#include "octomarch/program/prune.hpp"
+#include "octomarch/program/octree.hpp"
 #include "octomarch/render/buffer.hpp"
 
 namespace octomarch {
@@ -19,8 +19,9 @@ enum class TapeUse : std::uint8_t { kValues, kGradients, kMarches };
 template <class Real>
 class LoadedTape {
  public:
-  /// `tape` must outlive this. Memory for marches serves for values too.
-  LoadedTape(const Tape& tape, TapeUse use) : tape_(tape), memory_(rows(tape, use) * kernels::kLanes) {
+  /// `tape` must outlive this. Memory for marches serves for values too. `octree`: whose parts are to be run too, or null.
+  LoadedTape(const Tape& tape, TapeUse use, const Octree<Real>* octree = nullptr)
+      : tape_(tape), memory_(rows(octree == nullptr ? tape.registers : octree->registers(), use) * kernels::kLanes) {
     if (use == TapeUse::kGradients) axes_ = axis_steps(tape.code, tape.registers, tape.result());
     for (const NodePtr& image : tape.images) {
       const auto size = [&image](std::size_t i) { return static_cast<std::uint32_t>(image->parameter(i)); };
@@ -31,7 +32,7 @@ class LoadedTape {
   kernels::TapeView<Real> view() const {
     return {tape_.code.data(), tape_.code.size(), constants(), tape_.registers, tape_.result(), images_.data(), axes()};
   }
-  /// A part of the tape, which needs no more memory than the whole. Looking for coordinates would take longer than what it
+  /// A part of the tape. Looking for coordinates would take longer than what it
   /// saves at the few points of a cell.
   kernels::TapeView<Real> view(const TapePart& part) const {
     return {part.code, part.length, constants(), part.registers, part.result, images_.data(), nullptr};
@@ -49,8 +50,7 @@ class LoadedTape {
     }
   }
 
-  static std::size_t rows(const Tape& tape, TapeUse use) {
-    const std::size_t file = tape.registers;
+  static std::size_t rows(std::size_t file, TapeUse use) {
     switch (use) {
       case TapeUse::kValues: return file;
       case TapeUse::kGradients: return 4 * file;

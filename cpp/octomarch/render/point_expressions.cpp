@@ -12,9 +12,9 @@ PointExpressions<Real>::PointExpressions(const Tape& tape, std::vector<Real*> ro
                                          const kernels::KernelTable<Real>& kernels)
     : kernels_(kernels),
       code_(tape),
-      tape_(tape, TapeUse::kValues),
-      rows_(std::move(rows)),
       octree_(std::move(octree)),
+      tape_(tape, TapeUse::kValues, octree_.get()),
+      rows_(std::move(rows)),
       sampler_(tape_, kernels),
       values_(rows_.size()) {
   if (octree_) groups_.emplace(choice_.emplace(*octree_, sampler_));

@@ -31,9 +31,9 @@ class PointExpressions {
 
   const kernels::KernelTable<Real>& kernels_;
   const Tape& code_;
+  std::shared_ptr<Octree<Real>> octree_;
   LoadedTape<Real> tape_;
   std::vector<Real*> rows_;
-  std::shared_ptr<Octree<Real>> octree_;
   KernelSampler<Real> sampler_;
   std::optional<CellChoice<Real>> choice_;
   std::optional<CellGroups<Real>> groups_;

@@ -1,0 +1,199 @@
+#include "octomarch/program/chain.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <type_traits>
+
+#include "octomarch/program/choices.hpp"
+
+namespace octomarch {
+
+namespace {
+
+constexpr std::uint16_t kCoordinates = 3;
+
+/// Can it take operands up? Where it subtracts, a part may need the complement of an operand.
+constexpr bool combines(Opcode op) { return chooses_operand(op) && !chooses_attribute(op) && !subtracts(op); }
+
+template <class Real>
+const std::vector<Real>& constants_in(const Tape& tape) {
+  if constexpr (std::is_same_v<Real, float>) {
+    return tape.constants_f32;
+  } else {
+    return tape.constants;
+  }
+}
+
+/// Gives the values that an operand is made of registers of their own, whatever registers they have in the tape.
+class Renamer {
+ public:
+  explicit Renamer(std::size_t registers) : names_(registers, kNone) {
+    std::iota(names_.begin(), names_.begin() + kCoordinates, std::uint16_t{0});
+  }
+
+  /// Forgets the operand before, but not what has been taken up.
+  void begin_operand() {
+    for (std::uint16_t& name : names_) {
+      if (name >= kCoordinates && name != kTakenUp) name = kNone;
+    }
+    next_ = kCoordinates;
+    constants_ = 0;
+  }
+
+  /// One of its instructions; constants are numbered from its first.
+  Instruction rename(const Instruction& instruction) {
+    const OpcodeInfo& shape = info(instruction.op);
+    Instruction renamed{instruction.op, {}, {}, constants_};
+    for (std::size_t k = 0; k < shape.inputs; ++k) renamed.in[k] = names_[instruction.in[k]];
+    for (std::size_t k = 0; k < shape.outputs; ++k) renamed.out[k] = names_[instruction.out[k]] = next_++;
+    constants_ += shape.constants;
+    return renamed;
+  }
+
+  /// What is in a register has been taken up.
+  void take_up(std::uint16_t taken) { names_[taken] = kTakenUp; }
+  bool is_taken_up(std::uint16_t taken) const { return names_[taken] == kTakenUp; }
+
+  std::uint16_t name(std::uint16_t taken) const { return names_[taken]; }
+  std::uint16_t next() const { return next_; }
+  std::uint32_t constants() const { return constants_; }
+
+ private:
+  static constexpr std::uint16_t kNone = std::numeric_limits<std::uint16_t>::max();
+  static constexpr std::uint16_t kTakenUp = kNone - 1;
+
+  std::vector<std::uint16_t> names_;  ///< by register of the tape
+  std::uint16_t next_ = kCoordinates;
+  std::uint32_t constants_ = 0;
+};
+
+}  // namespace
+
+std::optional<Chain> Chain::of(const Tape& tape) {
+  Chain chain(tape);
+  const bool is_chain =
+      tape.inputs == kCoordinates && tape.results.size() == 1 && chain.find_body() && chain.has_only_such_operands();
+  return is_chain ? std::optional(std::move(chain)) : std::nullopt;
+}
+
+/// Takes the first operand for what all are like.
+bool Chain::find_body() {
+  const std::vector<Instruction>& code = tape_->code;
+  const auto first = std::ranges::find_if(code, [](const Instruction& i) { return combines(i.op); });
+  const auto two_bodies = static_cast<std::size_t>(first - code.begin());
+  const std::size_t size = two_bodies / 2;
+  if (first == code.end() || size == 0 || two_bodies % 2 != 0 || (code.size() + 1) % (size + 1) != 0) return false;
+  // besides coordinates and the operand's, what has been taken up
+  if (tape_->registers > kCoordinates + size * kMaxOutputs + 1) return false;
+  Renamer renamer(tape_->registers);
+  for (std::size_t k = 0; k < size; ++k) {
+    if (!runs_by_lanes(code[k].op)) return false;
+    body_.push_back(renamer.rename(code[k]));
+  }
+  if (info(body_.back().op).outputs != 1) return false;
+  constants_ = renamer.constants();
+  const std::uint16_t taken_up = renamer.next();
+  combine_ = {first->op, {taken_up}, {taken_up, body_.back().out[0]}, first->constants};
+  operands_ = (code.size() + 1) / (size + 1);
+  return true;
+}
+
+bool Chain::has_only_such_operands() const {
+  const std::vector<Instruction>& code = tape_->code;
+  Renamer renamer(tape_->registers);
+  for (std::size_t i = 0; i < operands_; ++i) {
+    renamer.begin_operand();
+    const Instruction* const its = code.data() + head(i);
+    for (std::size_t k = 0; k < body_.size(); ++k) {
+      if (info(its[k].op).outputs == 0 || renamer.rename(its[k]) != body_[k]) return false;
+    }
+    std::uint16_t result = its[body_.size() - 1].out[0];
+    if (i > 0) {
+      const Instruction& combine = its[body_.size()];
+      const bool is_alike = combine.op == combine_.op && renamer.is_taken_up(combine.in[0]) &&
+                            renamer.name(combine.in[1]) == combine_.in[1] && has_same_constants(combine);
+      if (!is_alike) return false;
+      result = combine.out[0];
+    }
+    renamer.take_up(result);
+  }
+  return renamer.is_taken_up(tape_->result());
+}
+
+bool Chain::has_same_constants(const Instruction& combine) const {
+  const auto constants = tape_->constants.begin();
+  const auto count = info(combine_.op).constants;
+  const auto from = [&](const Instruction& i) { return constants + static_cast<std::ptrdiff_t>(i.constants); };
+  return std::equal(from(combine), from(combine) + count, from(combine_));
+}
+
+template <class Real>
+const Real* Chain::constants_of_combine() const {
+  return constants_in<Real>(*tape_).data() + combine_.constants;
+}
+
+template <class Real>
+std::vector<Real> Chain::constants_of_operands() const {
+  const std::vector<Real>& all = constants_in<Real>(*tape_);
+  std::vector<Real> constants;
+  constants.reserve(operands_ * constants_);
+  for (std::size_t i = 0; i < operands_; ++i) {
+    for (std::size_t k = 0; k < body_.size(); ++k) {
+      const Instruction& instruction = tape_->code[head(i) + k];
+      const auto first = all.begin() + static_cast<std::ptrdiff_t>(instruction.constants);
+      constants.insert(constants.end(), first, first + info(instruction.op).constants);
+    }
+  }
+  return constants;
+}
+
+bool Chain::find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const {
+  operands.clear();
+  for (std::size_t i = 0; i < part.length;) {
+    const std::uint32_t at = part.origins[i];
+    const auto operand = static_cast<std::uint32_t>((at + 1) / (body_.size() + 1));
+    const std::size_t count = body_.size() + (i > 0 ? 1 : 0);
+    // origins ascend
+    if (at != head(operand) || i + count > part.length || part.origins[i + count - 1] != at + count - 1) return false;
+    operands.push_back(operand);
+    i += count;
+  }
+  return !operands.empty();
+}
+
+TapePart Chain::part_of(std::span<const std::uint32_t> operands) const {
+  TapePart part;
+  part.origins = operands.data();
+  part.results = combine_.out.data();
+  part.length = static_cast<std::uint32_t>(length(operands.size()));
+  part.result_count = 1;
+  part.result = combine_.out[0];
+  part.registers = registers();
+  return part;
+}
+
+void Chain::write_code(const TapePart& part, Instruction* code, std::uint32_t* origins) const {
+  const auto add = [&](Instruction instruction, std::size_t at) {
+    instruction.constants = tape_->code[at].constants;
+    *code++ = instruction;
+    *origins++ = static_cast<std::uint32_t>(at);
+  };
+  const std::size_t count = operands_of(part);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = head(part.origins[i]);
+    for (std::size_t k = 0; k < body_.size(); ++k) add(body_[k], at + k);
+    if (i == 0) {
+      code[-1].out[0] = combine_.out[0];
+    } else {
+      add(combine_, at + body_.size());
+    }
+  }
+}
+
+template const float* Chain::constants_of_combine() const;
+template const double* Chain::constants_of_combine() const;
+template std::vector<float> Chain::constants_of_operands() const;
+template std::vector<double> Chain::constants_of_operands() const;
+
+}  // namespace octomarch

@@ -1,0 +1,217 @@
+// Lanes that each run a part of their own: the operands that decide in the cell of a chain's octree in which the lane's ray or
+// point is. For where so few share a cell that running it for them alone would leave most lanes empty. Comes before
+// chain_march.hpp and field.hpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+#include <utility>
+
+#include "octomarch/kernels/api.hpp"
+#include "octomarch/render/buffer.hpp"
+#include "octomarch/render/cell_choice.hpp"
+
+namespace octomarch {
+
+template <class Function>
+void for_each_lane(std::uint64_t lanes, Function&& f) {
+  for (; lanes != 0; lanes &= lanes - 1) f(static_cast<std::size_t>(std::countr_zero(lanes)));
+}
+
+/// Sets of lanes are words; bit = lane. Keeps its memory, and where each lane was; one for each thread.
+template <class Real>
+class ChainLanes {
+ public:
+  static constexpr std::size_t kLanes = kernels::kLanes;
+
+  /// The octree must be of a chain. `choice` must outlive this.
+  explicit ChainLanes(CellChoice<Real>& choice);
+
+  const kernels::ChainView<Real>& chain() const { return chain_; }
+  kernels::ChainBlock<Real>& block() { return block_; }
+  /// The field at each lane's point, once a kernel has run.
+  const Real* field() const { return block_.registers + chain_.combine.out[0] * kLanes; }
+
+  /// Forgets where lanes were: cells that are made for the moment may be gone.
+  void forget_cells() {
+    for (Path& path : paths_) path.top = nullptr;
+  }
+  /// Lets lanes do without operands.
+  void clear(std::uint64_t lanes) {
+    for_each_lane(lanes, [&](std::size_t lane) { block_.operands[lane] = Real(1); });
+  }
+  void place(std::size_t lane, Real x, Real y, Real z) {
+    block_.registers[lane] = x;
+    block_.registers[kLanes + lane] = y;
+    block_.registers[2 * kLanes + lane] = z;
+  }
+
+  /// Takes region and operands of the cells in which lanes' points are; returns which lanes have got any. Others are in cells of too
+  /// many operands, where memory has ended, or nowhere.
+  std::uint64_t enter(std::uint64_t lanes) {
+    const std::uint64_t found = find_cells(lanes);
+    for_each_lane(found, [&](std::size_t lane) { take(lane); });
+    choice_.count_visits(static_cast<std::size_t>(std::popcount(found)));
+    return found;
+  }
+
+ private:
+  using Cell = typename Octree<Real>::Cell;
+  using Place = typename Octree<Real>::Place;
+  static constexpr unsigned kLevels = Octree<Real>::kLevels;
+
+  /// Parts as short as this are not looked for any deeper.
+  static constexpr std::uint32_t kShort = 40;
+
+  /// The cell of a lane and those above it.
+  struct Path {
+    typename Octree<Real>::Top* top = nullptr;
+    std::array<std::uint32_t, 3> at{};  ///< a place in it, in smallest cells
+    unsigned depth = 0;                 ///< its level
+    std::array<Cell*, kLevels + 1> cells{};
+
+    Cell& cell() const { return *cells[depth]; }
+    Place place(unsigned level) const {
+      Place place{top, level, at};
+      for (std::uint32_t& corner : place.corner) corner &= ~std::uint32_t{0} << (kLevels - level);
+      return place;
+    }
+    /// Of the place, in the cell.
+    unsigned octant() const {
+      const unsigned shift = kLevels - 1 - depth;
+      return (at[0] >> shift & 1U) | (at[1] >> shift & 1U) << 1U | (at[2] >> shift & 1U) << 2U;
+    }
+  };
+
+  /// All go down level by level, so that they wait for memory together. A step down reads two lines.
+  std::uint64_t find_cells(std::uint64_t lanes) {
+    std::uint64_t found = 0;
+    std::uint64_t above = 0;
+    for_each_lane(lanes, [&](std::size_t lane) { above |= std::uint64_t{goes_up(lane)} << lane; });
+    while (above != 0) {
+      std::uint64_t below = 0;
+      for_each_lane(above, [&](std::size_t lane) {
+        const Cell& cell = paths_[lane].cell();
+        if (cell.is_leaf || cell.part.length <= kShort) {
+          found |= std::uint64_t{is_ready(cell)} << lane;
+        } else {
+          __builtin_prefetch(cell.branch.load(std::memory_order_relaxed));
+          below |= std::uint64_t{1} << lane;
+        }
+      });
+      above = 0;
+      for_each_lane(below, [&](std::size_t lane) {
+        Path& path = paths_[lane];
+        if (Cell* const child = child_of(path)) {
+          __builtin_prefetch(child);
+          path.cells[++path.depth] = child;
+          above |= std::uint64_t{1} << lane;
+        } else {
+          found |= std::uint64_t{is_ready(path.cell())} << lane;
+        }
+      });
+    }
+    return found;
+  }
+
+  /// Goes up from a lane's cell to one in which its point is; false where it is in none.
+  bool goes_up(std::size_t lane) {
+    const Real* const point = block_.registers + lane;
+    std::array<std::uint32_t, 3> at;
+    auto* const top = choice_.octree().find(point[0], point[kLanes], point[2 * kLanes], at);
+    if (top == nullptr) return false;
+    Path& path = paths_[lane];
+    if (top == path.top) {
+      const std::uint32_t apart = (at[0] ^ path.at[0]) | (at[1] ^ path.at[1]) | (at[2] ^ path.at[2]);
+      path.depth = std::min(path.depth, kLevels - static_cast<unsigned>(std::bit_width(apart)));
+    } else {
+      path.top = top;
+      path.cells[0] = &top->cell;
+      path.depth = 0;
+    }
+    path.at = at;
+    return true;
+  }
+
+  /// The child in which a path's place is, made if that is worth it, else null.
+  Cell* child_of(const Path& path) {
+    Cell& cell = path.cell();
+    const unsigned octant = path.octant();
+    Cell* child = cell.child(octant);
+    if (child == nullptr && choice_.is_worth_making_alone(cell)) {
+      child = &choice_.child(cell, path.place(path.depth + 1), octant);
+    }
+    return child != nullptr && choice_.is_of_chain(*child) ? child : nullptr;
+  }
+
+  bool is_ready(const Cell& cell) const {
+    __builtin_prefetch(cell.part.origins);
+    __builtin_prefetch(cell.part.origins + Arena::kAlignment / sizeof(std::uint32_t));
+    return choice_.fits_lanes(cell);
+  }
+
+  void take(std::size_t lane) {
+    const Path& path = paths_[lane];
+    const TapePart& part = path.cell().part;
+    const Region<Real> region = path.place(path.depth).region();
+    block_.lo.x[lane] = region.lo[0];
+    block_.lo.y[lane] = region.lo[1];
+    block_.lo.z[lane] = region.lo[2];
+    block_.hi.x[lane] = region.hi[0];
+    block_.hi.y[lane] = region.hi[1];
+    block_.hi.z[lane] = region.hi[2];
+    const Octree<Real>& octree = choice_.octree();
+    const std::size_t count = octree.chain()->operands_of(part);
+    block_.operands[lane] = static_cast<Real>(count);
+    const auto copy = [&](auto constants) {
+      Real* to = block_.constants + lane;
+      for (std::size_t i = 0; i < count; ++i) {
+        const Real* const from = octree.constants_of_operand(part.origins[i]);
+        for (std::size_t k = 0; k < constants; ++k, to += kLanes) *to = from[k];
+      }
+    };
+    if (chain_.constants == 4) {  // balls: a loop without a count is a quarter faster
+      copy(std::integral_constant<std::size_t, 4>{});
+    } else {
+      copy(chain_.constants);
+    }
+  }
+
+  CellChoice<Real>& choice_;
+  kernels::ChainView<Real> chain_{};
+  Buffer<Real> memory_;
+  kernels::ChainBlock<Real> block_{};
+  std::array<Path, kLanes> paths_{};
+};
+
+template <class Real>
+ChainLanes<Real>::ChainLanes(CellChoice<Real>& choice) : choice_(choice) {
+  const Chain& chain = *choice.octree().chain();
+  chain_ = {chain.body().data(), chain.body().size(), chain.constants(), chain.combine(),
+            chain.constants_of_combine<Real>()};
+  constexpr std::size_t kRowsOfBlock = 19;
+  const std::size_t registers = chain.registers();
+  const std::size_t rows = kRowsOfBlock + registers + CellChoice<Real>::kMostOperands * chain_.constants;
+  memory_ = Buffer<Real>(rows * kLanes);
+  Real* next = memory_.data();
+  const auto take_rows = [&](std::size_t count) { return std::exchange(next, next + count * kLanes); };
+  const auto take_row = [&] { return take_rows(1); };
+  const auto take_vector = [&] { return kernels::Vectors<Real>{take_row(), take_row(), take_row()}; };
+  block_.origin = take_vector();
+  block_.direction = take_vector();
+  for (Real** row : {&block_.t_max, &block_.epsilon, &block_.t, &block_.before, &block_.stride, &block_.boldness}) {
+    *row = take_row();
+  }
+  block_.lo = take_vector();
+  block_.hi = take_vector();
+  block_.operands = take_row();
+  block_.registers = take_rows(registers);
+  block_.constants = next;
+  clear(~std::uint64_t{0});
+}
+
+}  // namespace octomarch
