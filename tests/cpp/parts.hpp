@@ -82,15 +82,6 @@ VectorBuffer<Real> points_in(const Region<Real>& region, Random& random) {
   return points;
 }
 
-template <class Real>
-const Real* constants_of(const Tape& tape) {
-  if constexpr (std::is_same_v<Real, float>) {
-    return tape.constants_f32.data();
-  } else {
-    return tape.constants.data();
-  }
-}
-
 /// Runs code of a tape over points by the one-lane kernels; fills rows by register.
 template <class Real>
 class Runner final : public Sampler<Real> {

@@ -60,6 +60,69 @@ constexpr LaneHandler<Real> kLaneHandlers[] = {
 #undef OCTOMARCH_OPCODE
 };
 
+struct OperandCounts {
+  std::size_t least;
+  std::size_t most;
+};
+/// The least and the most that a lane has.
+template <class Real>
+OperandCounts count_operands(const ChainBlock<Real>& block, std::size_t count) {
+  using T = Lanes<Real>;
+  T least = T::load(block.operands);
+  T most = least;
+  for_each_batch<Real>(count, [&](std::size_t lane) {
+    const T own = T::load(block.operands + lane);
+    least = min(least, own);
+    most = max(most, own);
+  });
+  alignas(kAlignment) Real numbers[2][kWidth<Real>];
+  least.store(numbers[0]);
+  most.store(numbers[1]);
+  for (std::size_t i = 1; i < kWidth<Real>; ++i) {
+    if (numbers[0][i] < numbers[0][0]) numbers[0][0] = numbers[0][i];
+    if (numbers[1][i] > numbers[1][0]) numbers[1][0] = numbers[1][i];
+  }
+  return {static_cast<std::size_t>(numbers[0][0]), static_cast<std::size_t>(numbers[1][0])};
+}
+
+/// The field at the lanes' points, into the register that `combine` writes.
+template <class Real>
+void evaluate_chain(const ChainView<Real>& chain, const ChainBlock<Real>& block, Counters& counters) {
+  using T = Lanes<Real>;
+  const std::size_t count = batches<Real>(block.lanes);
+  const auto row = [&](std::size_t index) { return block.registers + index * kLanes; };
+  const std::size_t lanes = count * kWidth<Real>;
+  const auto [least, most] = count_operands(block, count);
+  const Instruction& combine = chain.combine;
+  const Handler<Real> take_up = kValueHandlers<Real>[static_cast<std::size_t>(combine.op)];
+  Instruction aside = combine;  // where not all lanes have as many operands
+  aside.out[0] = combine.in[1];
+  Real* const taken_up = row(combine.out[0]);
+  const Real* const operand = row(combine.in[1]);
+  for (std::size_t j = 0; j < most; ++j) {
+    const Real* const constants = block.constants + j * chain.constants * kLanes;
+    for (std::size_t k = 0; k < chain.body_length; ++k) {
+      const Instruction& instruction = chain.body[k];
+      kLaneHandlers<Real>[static_cast<std::size_t>(instruction.op)](
+          instruction, constants + instruction.constants* kLanes, block.registers, count);
+    }
+    if (j == 0) {
+      __builtin_memcpy(taken_up, operand, lanes * sizeof(Real));
+    } else if (j < least) {
+      take_up(combine, chain.combine_constants, block.registers, count, nullptr);
+    } else {
+      take_up(aside, chain.combine_constants, block.registers, count, nullptr);
+      const T index = static_cast<Real>(j);
+      for_each_batch<Real>(count, [&](std::size_t lane) {
+        const Mask<Real> has = T::load(block.operands + lane) > index;
+        select(has, T::load(operand + lane), T::load(taken_up + lane)).store(taken_up + lane);
+      });
+    }
+  }
+  counters.lane_slots += lanes;
+  counters.instructions += lanes * (most * (chain.body_length + 1) - 1);
+}
+
 template <class Real, class Steps, class Task>
 class ChainMarcher {
   using T = Lanes<Real>;
@@ -70,72 +133,13 @@ class ChainMarcher {
       : chain_(chain), block_(block), stepper_(parameters, task) {}
 
   ChainStep step(std::uint64_t live, Counters& counters) {
-    const std::size_t count = batches<Real>(block_.lanes);
-    const std::size_t most = evaluate(count);
+    evaluate_chain(chain_, block_, counters);
     counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
-    counters.lane_slots += count * kWidth<Real>;
-    counters.instructions += count * kWidth<Real> * (most * (chain_.body_length + 1) - 1);
-    return step_rays(count, live);
+    return step_rays(batches<Real>(block_.lanes), live);
   }
 
  private:
   Real* row(std::size_t index) const { return block_.registers + index * kLanes; }
-
-  /// The field at all samples; returns how many operands were taken up.
-  std::size_t evaluate(std::size_t count) const {
-    const std::size_t lanes = count * kWidth<Real>;
-    const auto [least, most] = ends_of_counts(count);
-    const Instruction& combine = chain_.combine;
-    const Handler<Real> take_up = kValueHandlers<Real>[static_cast<std::size_t>(combine.op)];
-    Instruction aside = combine;  // where not all lanes have as many operands
-    aside.out[0] = combine.in[1];
-    Real* const taken_up = row(combine.out[0]);
-    const Real* const operand = row(combine.in[1]);
-    for (std::size_t j = 0; j < most; ++j) {
-      const Real* const constants = block_.constants + j * chain_.constants * kLanes;
-      for (std::size_t k = 0; k < chain_.body_length; ++k) {
-        const Instruction& instruction = chain_.body[k];
-        kLaneHandlers<Real>[static_cast<std::size_t>(instruction.op)](
-            instruction, constants + instruction.constants* kLanes, block_.registers, count);
-      }
-      if (j == 0) {
-        __builtin_memcpy(taken_up, operand, lanes * sizeof(Real));
-      } else if (j < least) {
-        take_up(combine, chain_.combine_constants, block_.registers, count, nullptr);
-      } else {
-        take_up(aside, chain_.combine_constants, block_.registers, count, nullptr);
-        const T index = static_cast<Real>(j);
-        for_each_batch<Real>(count, [&](std::size_t lane) {
-          const Mask<Real> has = T::load(block_.operands + lane) > index;
-          select(has, T::load(operand + lane), T::load(taken_up + lane)).store(taken_up + lane);
-        });
-      }
-    }
-    return most;
-  }
-
-  struct Ends {
-    std::size_t least;
-    std::size_t most;
-  };
-  /// The least and the most operands that a lane has.
-  Ends ends_of_counts(std::size_t count) const {
-    T least = T::load(block_.operands);
-    T most = least;
-    for_each_batch<Real>(count, [&](std::size_t lane) {
-      const T own = T::load(block_.operands + lane);
-      least = min(least, own);
-      most = max(most, own);
-    });
-    alignas(kAlignment) Real numbers[2][kWidth<Real>];
-    least.store(numbers[0]);
-    most.store(numbers[1]);
-    for (std::size_t i = 1; i < kWidth<Real>; ++i) {
-      if (numbers[0][i] < numbers[0][0]) numbers[0][0] = numbers[0][i];
-      if (numbers[1][i] > numbers[1][0]) numbers[1][0] = numbers[1][i];
-    }
-    return {static_cast<std::size_t>(numbers[0][0]), static_cast<std::size_t>(numbers[1][0])};
-  }
 
   /// Moves rays on, and places their next samples.
   [[gnu::flatten]] ChainStep step_rays(std::size_t count, std::uint64_t live) {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
-#include <type_traits>
 
 #include "octomarch/program/choices.hpp"
 
@@ -15,15 +14,6 @@ constexpr std::uint16_t kCoordinates = 3;
 
 /// Can it take operands up? Where it subtracts, a part may need the complement of an operand.
 constexpr bool combines(Opcode op) { return chooses_operand(op) && !chooses_attribute(op) && !subtracts(op); }
-
-template <class Real>
-const std::vector<Real>& constants_in(const Tape& tape) {
-  if constexpr (std::is_same_v<Real, float>) {
-    return tape.constants_f32;
-  } else {
-    return tape.constants;
-  }
-}
 
 /// Gives the values that an operand is made of registers of their own, whatever registers they have in the tape.
 class Renamer {
@@ -71,22 +61,21 @@ class Renamer {
 }  // namespace
 
 std::optional<Chain> Chain::of(const Tape& tape) {
-  Chain chain(tape);
-  const bool is_chain =
-      tape.inputs == kCoordinates && tape.results.size() == 1 && chain.find_body() && chain.has_only_such_operands();
-  return is_chain ? std::optional(std::move(chain)) : std::nullopt;
+  Chain chain;
+  if (tape.inputs != kCoordinates || tape.results.size() != 1 || !chain.find_body(tape)) return std::nullopt;
+  return chain.has_only_such_operands(tape) ? std::optional(std::move(chain)) : std::nullopt;
 }
 
 /// Takes the first operand for what all are like.
-bool Chain::find_body() {
-  const std::vector<Instruction>& code = tape_->code;
+bool Chain::find_body(const Tape& tape) {
+  const std::vector<Instruction>& code = tape.code;
   const auto first = std::ranges::find_if(code, [](const Instruction& i) { return combines(i.op); });
   const auto two_bodies = static_cast<std::size_t>(first - code.begin());
   const std::size_t size = two_bodies / 2;
   if (first == code.end() || size == 0 || two_bodies % 2 != 0 || (code.size() + 1) % (size + 1) != 0) return false;
   // besides coordinates and the operand's, what has been taken up
-  if (tape_->registers > kCoordinates + size * kMaxOutputs + 1) return false;
-  Renamer renamer(tape_->registers);
+  if (tape.registers > kCoordinates + size * kMaxOutputs + 1) return false;
+  Renamer renamer(tape.registers);
   for (std::size_t k = 0; k < size; ++k) {
     if (!runs_by_lanes(code[k].op)) return false;
     body_.push_back(renamer.rename(code[k]));
@@ -99,53 +88,33 @@ bool Chain::find_body() {
   return true;
 }
 
-bool Chain::has_only_such_operands() const {
-  const std::vector<Instruction>& code = tape_->code;
-  Renamer renamer(tape_->registers);
+bool Chain::has_only_such_operands(const Tape& tape) const {
+  Renamer renamer(tape.registers);
   for (std::size_t i = 0; i < operands_; ++i) {
     renamer.begin_operand();
-    const Instruction* const its = code.data() + head(i);
+    const Instruction* const its = tape.code.data() + head(i);
     for (std::size_t k = 0; k < body_.size(); ++k) {
-      if (info(its[k].op).outputs == 0 || renamer.rename(its[k]) != body_[k]) return false;
+      const bool has_its_constants = its[k].constants == first_constant(i) + body_[k].constants;
+      if (its[k].op != body_[k].op || !has_its_constants || renamer.rename(its[k]) != body_[k]) return false;
     }
     std::uint16_t result = its[body_.size() - 1].out[0];
     if (i > 0) {
       const Instruction& combine = its[body_.size()];
-      const bool is_alike = combine.op == combine_.op && renamer.is_taken_up(combine.in[0]) &&
-                            renamer.name(combine.in[1]) == combine_.in[1] && has_same_constants(combine);
-      if (!is_alike) return false;
+      const bool reads_both = combine.op == combine_.op && renamer.is_taken_up(combine.in[0]) &&
+                              renamer.name(combine.in[1]) == combine_.in[1];
+      if (!reads_both || !has_same_constants(tape, combine)) return false;
       result = combine.out[0];
     }
     renamer.take_up(result);
   }
-  return renamer.is_taken_up(tape_->result());
+  return renamer.is_taken_up(tape.result());
 }
 
-bool Chain::has_same_constants(const Instruction& combine) const {
-  const auto constants = tape_->constants.begin();
-  const auto count = info(combine_.op).constants;
-  const auto from = [&](const Instruction& i) { return constants + static_cast<std::ptrdiff_t>(i.constants); };
-  return std::equal(from(combine), from(combine) + count, from(combine_));
-}
-
-template <class Real>
-const Real* Chain::constants_of_combine() const {
-  return constants_in<Real>(*tape_).data() + combine_.constants;
-}
-
-template <class Real>
-std::vector<Real> Chain::constants_of_operands() const {
-  const std::vector<Real>& all = constants_in<Real>(*tape_);
-  std::vector<Real> constants;
-  constants.reserve(operands_ * constants_);
-  for (std::size_t i = 0; i < operands_; ++i) {
-    for (std::size_t k = 0; k < body_.size(); ++k) {
-      const Instruction& instruction = tape_->code[head(i) + k];
-      const auto first = all.begin() + static_cast<std::ptrdiff_t>(instruction.constants);
-      constants.insert(constants.end(), first, first + info(instruction.op).constants);
-    }
-  }
-  return constants;
+bool Chain::has_same_constants(const Tape& tape, const Instruction& combine) const {
+  const double* const constants = tape.constants.data();
+  const std::size_t count = info(combine_.op).constants;
+  return std::equal(constants + combine.constants, constants + combine.constants + count,
+                    constants + combine_.constants);
 }
 
 bool Chain::find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const {
@@ -174,26 +143,23 @@ TapePart Chain::part_of(std::span<const std::uint32_t> operands) const {
 }
 
 void Chain::write_code(const TapePart& part, Instruction* code, std::uint32_t* origins) const {
-  const auto add = [&](Instruction instruction, std::size_t at) {
-    instruction.constants = tape_->code[at].constants;
-    *code++ = instruction;
-    *origins++ = static_cast<std::uint32_t>(at);
-  };
   const std::size_t count = operands_of(part);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = head(part.origins[i]);
-    for (std::size_t k = 0; k < body_.size(); ++k) add(body_[k], at + k);
+    const std::size_t operand = part.origins[i];
+    auto at = static_cast<std::uint32_t>(head(operand));
+    const auto first = static_cast<std::uint32_t>(first_constant(operand));
+    for (const Instruction& instruction : body_) {
+      *code = instruction;
+      code++->constants += first;
+      *origins++ = at++;
+    }
     if (i == 0) {
       code[-1].out[0] = combine_.out[0];
     } else {
-      add(combine_, at + body_.size());
+      *code++ = combine_;
+      *origins++ = at;
     }
   }
 }
-
-template const float* Chain::constants_of_combine() const;
-template const double* Chain::constants_of_combine() const;
-template std::vector<float> Chain::constants_of_operands() const;
-template std::vector<double> Chain::constants_of_operands() const;
 
 }  // namespace octomarch

@@ -16,11 +16,9 @@ namespace octomarch {
 
 class Chain {
  public:
-  /// A tape as a chain; nothing where it is none, or where its operands could be pruned in themselves. `tape` must outlive it.
-  /// O(tape).
+  /// A tape as a chain; nothing where it is none, or where its operands could be pruned in themselves. O(tape).
   static std::optional<Chain> of(const Tape& tape);
 
-  const Tape& tape() const { return *tape_; }
   /// Makes an operand from the coordinates in registers 0, 1, 2, which it leaves alone; it is the output of the last
   /// instruction. Constants are numbered from the operand's first.
   std::span<const Instruction> body() const { return body_; }
@@ -35,30 +33,27 @@ class Chain {
   /// Of each operand.
   std::size_t constants() const { return constants_; }
 
-  /// Of `combine`; the tape's.
-  template <class Real>
-  const Real* constants_of_combine() const;
-  /// Constants of all operands, one after the other. O(tape).
-  template <class Real>
-  std::vector<Real> constants_of_operands() const;
+  /// The first of an operand, in the tape's. The others follow.
+  std::size_t first_constant(std::size_t operand) const {
+    return operand == 0 ? 0 : operand * (constants_ + info(combine_.op).constants) - info(combine_.op).constants;
+  }
 
   /// The operands that a part of the tape has, ascending; false where it has something else too. O(part).
   bool find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const;
   /// The part of such operands, which stay somebody else's. O(1).
   TapePart part_of(std::span<const std::uint32_t> operands) const;
-  /// The instructions of such a part, and where they stand in the tape; both as long as it. O(part).
+  /// The instructions of such a part, and where they stand in the tape, both as long as it. O(part).
   void write_code(const TapePart& part, Instruction* code, std::uint32_t* origins) const;
 
  private:
-  explicit Chain(const Tape& tape) : tape_(&tape) {}
+  Chain() = default;
 
-  bool find_body();
-  bool has_only_such_operands() const;
-  bool has_same_constants(const Instruction& combine) const;
+  bool find_body(const Tape& tape);
+  bool has_only_such_operands(const Tape& tape) const;
+  bool has_same_constants(const Tape& tape, const Instruction& combine) const;
   /// Where an operand begins in the tape. It is taken up just before the next.
   std::size_t head(std::size_t operand) const { return operand == 0 ? 0 : operand * (body_.size() + 1) - 1; }
 
-  const Tape* tape_;
   std::vector<Instruction> body_;
   Instruction combine_{};
   std::size_t operands_ = 0;

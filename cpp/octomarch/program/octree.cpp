@@ -94,7 +94,6 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
       constants_(constants_of(tape)) {
   constexpr double kFarthest = static_cast<double>(std::numeric_limits<Real>::max()) / 16.0;
   if (chain_) {
-    constants_of_operands_ = chain_->constants_of_operands<Real>();
     all_operands_.resize(chain_->operands());
     std::iota(all_operands_.begin(), all_operands_.end(), 0U);
   } else {
@@ -122,7 +121,7 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
   cells_ = 1 + tops_.size();
   bytes_ = sizeof(*this) + tops_.size() * sizeof(Top) + constants_.size() * sizeof(std::uint32_t) +
            whole_.code.size() * (sizeof(Instruction) + sizeof(std::uint32_t)) +
-           all_operands_.size() * sizeof(std::uint32_t) + constants_of_operands_.size() * sizeof(Real);
+           all_operands_.size() * sizeof(std::uint32_t);
 }
 
 template <class Real>

@@ -103,10 +103,6 @@ class Octree {
   const Tape& tape() const { return tape_; }
   /// Which the tape is, or null. Its parts are lists of operands.
   const Chain* chain() const { return chain_ ? &*chain_ : nullptr; }
-  /// Constants of an operand of the chain.
-  const Real* constants_of_operand(std::size_t operand) const {
-    return constants_of_operands_.data() + operand * chain_->constants();
-  }
   /// That parts need at the most.
   std::uint32_t registers() const;
 
@@ -145,7 +141,6 @@ class Octree {
 
   const Tape& tape_;
   std::optional<Chain> chain_;
-  std::vector<Real> constants_of_operands_;
   std::vector<std::uint32_t> all_operands_;
   Real focus_size_;
   std::size_t most_bytes_;

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "octomarch/base/types.hpp"
@@ -31,6 +32,16 @@ struct Tape {
   std::vector<std::uint16_t> results;  ///< registers
   std::uint16_t result() const { return results.front(); }
 };
+
+/// A tape's constants, in Real.
+template <class Real>
+const Real* constants_of(const Tape& tape) {
+  if constexpr (std::is_same_v<Real, float>) {
+    return tape.constants_f32.data();
+  } else {
+    return tape.constants.data();
+  }
+}
 
 /// What the hit record's object_id stands for.
 struct Object {

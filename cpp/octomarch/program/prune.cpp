@@ -56,13 +56,8 @@ std::uint16_t RegisterNames::take() {
 }
 
 template <class Real>
-Pruner<Real>::Pruner(const Tape& tape, Sampler<Real>* sampler) : tape_(tape), sampler_(sampler) {
-  if constexpr (std::is_same_v<Real, float>) {
-    constants_ = tape.constants_f32.data();
-  } else {
-    constants_ = tape.constants.data();
-  }
-}
+Pruner<Real>::Pruner(const Tape& tape, Sampler<Real>* sampler)
+    : tape_(tape), sampler_(sampler), constants_(constants_of<Real>(tape)) {}
 
 template <class Real>
 std::optional<TapePart> Pruner<Real>::prune(const TapePart& part, const Region<Real>& region, const Margin* margins) {

@@ -24,13 +24,13 @@ class CellMarch {
   using Rays = kernels::RayView<Real>;
   using Parameters = kernels::MarchParameters<Real>;
   using State = kernels::MarchState<Real>;
-  /// `choice` must outlive this.
-  explicit CellMarch(CellChoice<Real>& choice) : choice_(choice), sweep_(choice) {
-    if (choice.octree().chain() != nullptr) alone_.emplace(choice);
+  /// `lanes`: null where the tape is no chain. Both must outlive this.
+  CellMarch(CellChoice<Real>& choice, ChainLanes<Real>* lanes) : choice_(choice), sweep_(choice) {
+    if (lanes != nullptr) alone_.emplace(*lanes);
   }
 
   /// Marches rays until all have ended or spent their steps, or the march is cancelled. run(part, rays, parameters, region, state)
-  /// marches those of one cell until they leave its region, step(chain, block, parameters, live) is the kernel for rays of many.
+  /// marches those of one cell until they leave its region, step(chain, block, live, parameters) is the kernel for rays of many.
   /// Counts cells for `stage`.
   template <class Run, class Step>
   void march(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run,
@@ -48,8 +48,7 @@ class CellMarch {
       take_back(rays, parameters.max_steps, state, waiting);
     };
     const auto march_alone = [&](std::span<const Way> waiting) {
-      alone_->march(rays, waiting, parameters.max_steps, state, taken_.data(),
-                    [&](const auto&... all) { return step(all..., parameters); });
+      alone_->march(rays, waiting, parameters, state, taken_.data(), step);
       for (const Way way : waiting) {
         const std::size_t i = way.element();
         if (static_cast<kernels::Pause>(state.pause[i]) != kernels::Pause::kLeft) continue;
@@ -150,8 +149,8 @@ class CellMarch {
 
   CellChoice<Real>& choice_;
   CellSweep<Real> sweep_;
-  std::optional<ChainMarch<Real>> alone_;  ///< where the tape is a chain
-  std::vector<std::int32_t> taken_;        ///< steps of each ray so far
+  std::optional<ChainMarch<Real>> alone_;
+  std::vector<std::int32_t> taken_;  ///< steps of each ray so far
   // of the rays of one cell:
   VectorBuffer<Real> origin_, direction_;
   Buffer<Real> t_max_, epsilon_, t_, radius_, before_, stride_, boldness_;

@@ -64,6 +64,7 @@ class ChainLanes {
   using Place = typename Octree<Real>::Place;
   static constexpr unsigned kLevels = Octree<Real>::kLevels;
 
+  static constexpr std::size_t kOperandsOfLine = 16;  ///< of a cache line
   /// Parts as short as this are not looked for any deeper.
   static constexpr std::uint32_t kShort = 40;
 
@@ -150,7 +151,7 @@ class ChainLanes {
 
   bool is_ready(const Cell& cell) const {
     __builtin_prefetch(cell.part.origins);
-    __builtin_prefetch(cell.part.origins + Arena::kAlignment / sizeof(std::uint32_t));
+    __builtin_prefetch(cell.part.origins + kOperandsOfLine);
     return choice_.fits_lanes(cell);
   }
 
@@ -164,13 +165,13 @@ class ChainLanes {
     block_.hi.x[lane] = region.hi[0];
     block_.hi.y[lane] = region.hi[1];
     block_.hi.z[lane] = region.hi[2];
-    const Octree<Real>& octree = choice_.octree();
-    const std::size_t count = octree.chain()->operands_of(part);
+    const Chain& chain = *choice_.octree().chain();
+    const std::size_t count = chain.operands_of(part);
     block_.operands[lane] = static_cast<Real>(count);
     const auto copy = [&](auto constants) {
       Real* to = block_.constants + lane;
       for (std::size_t i = 0; i < count; ++i) {
-        const Real* const from = octree.constants_of_operand(part.origins[i]);
+        const Real* const from = constants_ + chain.first_constant(part.origins[i]);
         for (std::size_t k = 0; k < constants; ++k, to += kLanes) *to = from[k];
       }
     };
@@ -182,6 +183,7 @@ class ChainLanes {
   }
 
   CellChoice<Real>& choice_;
+  const Real* const constants_;  ///< of the tape
   kernels::ChainView<Real> chain_{};
   Buffer<Real> memory_;
   kernels::ChainBlock<Real> block_{};
@@ -189,10 +191,11 @@ class ChainLanes {
 };
 
 template <class Real>
-ChainLanes<Real>::ChainLanes(CellChoice<Real>& choice) : choice_(choice) {
+ChainLanes<Real>::ChainLanes(CellChoice<Real>& choice)
+    : choice_(choice), constants_(constants_of<Real>(choice.octree().tape())) {
   const Chain& chain = *choice.octree().chain();
   chain_ = {chain.body().data(), chain.body().size(), chain.constants(), chain.combine(),
-            chain.constants_of_combine<Real>()};
+            constants_ + chain.combine().constants};
   constexpr std::size_t kRowsOfBlock = 19;
   const std::size_t registers = chain.registers();
   const std::size_t rows = kRowsOfBlock + registers + CellChoice<Real>::kMostOperands * chain_.constants;

@@ -22,27 +22,27 @@ class ChainMarch {
   using Rays = kernels::RayView<Real>;
   using State = kernels::MarchState<Real>;
 
-  /// `choice`: of a chain's octree. It must outlive this.
-  explicit ChainMarch(CellChoice<Real>& choice) : choice_(choice), lanes_(choice) {}
+  /// `lanes` must outlive this.
+  explicit ChainMarch(ChainLanes<Real>& lanes) : lanes_(lanes) {}
 
-  /// Marches some rays until they have ended, or have taken `max_steps` in all, or come to a place of which lanes have no part: their
-  /// pause is kLeft. `taken`: the steps of each of `rays` so far. step(chain, block, live) is the kernel.
+  /// Marches some rays until they have ended, or have taken their steps, or come to a place of which lanes have no part: their
+  /// pause is kLeft. `taken`: the steps of each of `rays` so far. step(chain, block, live, parameters) is the kernel.
   template <class Step>
-  void march(const Rays& rays, std::span<const Way> some, int max_steps, const State& state, std::int32_t* taken,
-             Step&& step) {
+  void march(const Rays& rays, std::span<const Way> some, const kernels::MarchParameters<Real>& parameters,
+             const State& state, std::int32_t* taken, Step&& step) {
     rays_ = &rays;
     to_come_ = some;
     state_ = &state;
     taken_ = taken;
-    max_steps_ = max_steps;
+    max_steps_ = parameters.max_steps;
     steps_ = 0;
     deadline_ = std::numeric_limits<std::int64_t>::max();
     lanes_.forget_cells();
     kernels::ChainBlock<Real>& block = lanes_.block();
     std::uint64_t live = enter(refill(~std::uint64_t{0}));
-    while (live != 0 && !choice_.is_cancelled()) {
+    while (live != 0 && !is_set(*parameters.cancelled)) {
       block.lanes = static_cast<std::size_t>(std::bit_width(live));
-      const kernels::ChainStep stepped = step(lanes_.chain(), block, live);
+      const kernels::ChainStep stepped = step(lanes_.chain(), block, live, parameters);
       ++steps_;
       const std::uint64_t ended = live & ~(stepped.live | stepped.left);
       const std::uint64_t spent = steps_ < deadline_ ? 0 : find_spent(stepped.live | stepped.left);
@@ -133,8 +133,7 @@ class ChainMarch {
     return all;
   }
 
-  CellChoice<Real>& choice_;
-  ChainLanes<Real> lanes_;
+  ChainLanes<Real>& lanes_;
   // of the rays that are marched:
   const Rays* rays_ = nullptr;
   const State* state_ = nullptr;

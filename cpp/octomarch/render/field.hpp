@@ -86,14 +86,15 @@ class Field {
   void march_cones(const Rays& rays, const Parameters& parameters, StageStats& stage);
   std::uint64_t enter_bounds(const Parameters& parameters, std::size_t count);
   /// Marches until all rays have ended, by the kernels run(tape, memory, rays, parameters, region, state) and
-  /// step(chain, block, parameters, live).
+  /// step(chain, block, live, parameters).
   template <class Run, class Step>
   void march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run,
                  Step&& step);
-  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_.
+  /// Runs f(group) for each group of points, whose coordinates are in sorted_points_.
   template <class Function>
-  void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
-                      LoadedTape<Real>& tape, StageStats& stage, Function&& f);
+  void for_each_group(const Stay& stay, const kernels::Vectors<const Real>& points, std::size_t count,
+                      const bool& cancelled, StageStats& stage, Function&& f);
+  void distance_alone(const CellGroup<Real>& group, const bool& cancelled, StageStats& stage);
   void follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                       const kernels::MarchState<Real>& state, const std::uint8_t* status, StageStats& stage);
 
@@ -116,6 +117,7 @@ class Field {
   KernelSampler<Real> sampler_;
   std::optional<CellChoice<Real>> choice_;
   std::optional<CellGroups<Real>> groups_;
+  std::optional<ChainLanes<Real>> lanes_;  ///< where the octree's tape is a chain
   std::optional<CellMarch<Real>> cell_march_;
   VectorBuffer<Real> sorted_points_, sorted_values_;  ///< by cells
   std::vector<Real> planes_;                          ///< apart from the rest

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstdint>
-#include <type_traits>
 #include <vector>
 
 #include "octomarch/kernels/dispatch.hpp"
@@ -30,25 +29,23 @@ class LoadedTape {
   }
 
   kernels::TapeView<Real> view() const {
-    return {tape_.code.data(), tape_.code.size(), constants(), tape_.registers, tape_.result(), images_.data(), axes()};
+    return {tape_.code.data(),
+            tape_.code.size(),
+            constants_of<Real>(tape_),
+            tape_.registers,
+            tape_.result(),
+            images_.data(),
+            axes()};
   }
   /// A part of the tape. Looking for coordinates would take longer than what it
   /// saves at the few points of a cell.
   kernels::TapeView<Real> view(const TapePart& part) const {
-    return {part.code, part.length, constants(), part.registers, part.result, images_.data(), nullptr};
+    return {part.code, part.length, constants_of<Real>(tape_), part.registers, part.result, images_.data(), nullptr};
   }
   Real* memory() { return memory_.data(); }
 
  private:
   const AxisStep* axes() const { return axes_.empty() ? nullptr : axes_.data(); }
-
-  const Real* constants() const {
-    if constexpr (std::is_same_v<Real, float>) {
-      return tape_.constants_f32.data();
-    } else {
-      return tape_.constants.data();
-    }
-  }
 
   static std::size_t rows(std::size_t file, TapeUse use) {
     switch (use) {
