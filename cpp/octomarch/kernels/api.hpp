@@ -164,7 +164,7 @@ struct ChainView {
   const Real* combine_constants;
 };
 
-/// Up to kLanes points, or rays, each with the operands that decide in a region of its own: rows of kLanes.
+/// Up to kLanes rays, each with the operands that decide in a region of its own: rows of kLanes.
 template <class Real>
 struct ChainBlock {
   Vectors<Real> origin, direction;
@@ -317,10 +317,8 @@ struct KernelTable {
   /// samples. No other long steps.
   void (*march_shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                        const Region<Real>* region, const MarchState<Real>&, Counters&);
-  /// The field at the lanes' points, into the register that the chain's `combine` writes. No evaluations are counted.
-  void (*evaluate_chain)(const ChainView<Real>&, const ChainBlock<Real>&, Counters&);
-  /// Steps rays once, those of `live`: bit = lane, by the field at their samples, which is left in the same register. What other
-  /// lanes hold may be overwritten.
+  /// Steps rays once, those of `live`: bit = lane. The field at their samples is left in the register that the chain's `combine`
+  /// writes. What other lanes hold may be overwritten.
   ChainStep (*step_chain)(const ChainView<Real>&, const ChainBlock<Real>&, std::uint64_t live,
                           const MarchParameters<Real>&, Counters&);
   ChainStep (*step_chain_shadow)(const ChainView<Real>&, const ChainBlock<Real>&, std::uint64_t live,

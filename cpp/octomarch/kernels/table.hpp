@@ -27,7 +27,6 @@ constexpr KernelTable<Real> make_table() {
       .begin_march = &begin_march<Real>,
       .march = &march<Real>,
       .march_shadow = &march_shadow<Real>,
-      .evaluate_chain = &evaluate_chain<Real>,
       .step_chain = &step_chain<Real>,
       .step_chain_shadow = &step_chain_shadow<Real>,
       .visibility = &visibility<Real>,

@@ -18,12 +18,9 @@ namespace octomarch {
 struct Stay {
   double evaluations;
   double octants;  ///< that it comes to
-  /// Elements of a cell that are sooner done each by a part of its own; none where nobody does that.
-  std::size_t few;
 };
-inline constexpr Stay kStayOfPoint{1.0, 1.0, 0};
-inline constexpr Stay kStayOfSample{1.0, 1.0, 4};
-inline constexpr Stay kStayOfRay{3.0, 1.5, 32};
+inline constexpr Stay kStayOfPoint{1.0, 1.0};
+inline constexpr Stay kStayOfRay{3.0, 1.5};
 
 /// Weighs what instructions and groups cost, and makes cells that have paid. One for each thread.
 template <class Real>
@@ -85,7 +82,7 @@ class CellChoice {
   /// Are a cell's elements so few that each should rather run a part of its own, in a cell as small as is worth it? Where memory has
   /// ended lanes may not find a cell.
   bool go_alone(const Cell& cell, std::size_t count) const {
-    return count <= stay_.few && fits_lanes(cell) && !octree_.is_full();
+    return count <= kFew && fits_lanes(cell) && !octree_.is_full();
   }
   /// Is a child to be made for an element that is run alone? For cells that are no leaves.
   bool is_worth_making_alone(Cell& cell) {
@@ -117,6 +114,8 @@ class CellChoice {
   static constexpr double kAloneCost = 60.0;       ///< of an element that comes to a cell alone
   static constexpr double kLoadCost = 0.65;        ///< and of an instruction there by itself
   static constexpr double kLaneCost = 0.25;        ///< and for each evaluation
+  /// A group of more elements is faster than so many alone.
+  static constexpr std::size_t kFew = 32;
   /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
   /// thirtieth of what it takes, since the smaller cells below it will gain more.
   static constexpr double kCellPrice = 2000.0;

@@ -1,7 +1,6 @@
 // Points by the cells of an octree that they lie in: each group is run with its cell's short program. Comes before field.hpp.
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -12,7 +11,7 @@
 namespace octomarch {
 
 /// Elements that lie in one cell: `count` places from `first` on, of an order in which groups follow each other, each beginning
-/// where a batch does. Without a cell: each runs a part of its own (chain_lanes.hpp).
+/// where a batch does.
 template <class Real>
 struct CellGroup {
   const typename Octree<Real>::Cell* cell;
@@ -33,8 +32,8 @@ class CellGroups {
   /// Those that are NaN are left out. Making cells can take long: where that is cancelled groups are as large as they
   /// are by then. Counts cells for `stage`.
   template <class Point>
-  void sort(const Stay& stay, std::size_t count, const bool& cancelled, StageStats& stage, Point&& point) {
-    choice_.begin(stay, cancelled, stage);
+  void sort(std::size_t count, const bool& cancelled, StageStats& stage, Point&& point) {
+    choice_.begin(kStayOfPoint, cancelled, stage);
     Octree<Real>& octree = choice_.octree();
     groups_.clear();
     place_of_.clear();
@@ -53,8 +52,7 @@ class CellGroups {
       begin = end;
     }
     if (begin < ways_.size()) add_group(octree.outside(), kAllPoints<Real>, begin, ways_.size());
-    choice_.count_visits(static_cast<std::size_t>(
-        std::ranges::count_if(groups_, [](const auto& group) { return group.cell != nullptr; })));
+    choice_.count_visits(groups_.size());
   }
 
   const std::vector<CellGroup<Real>>& groups() const { return groups_; }
@@ -74,7 +72,6 @@ class CellGroups {
 
   /// Groups the elements of [begin, end), which lie in a cell.
   void split(Cell& cell, const Place& place, std::size_t begin, std::size_t end) {
-    if (choice_.go_alone(cell, end - begin)) return add_alone(begin, end);
     if (cell.is_leaf) return add_group(cell, place.region(), begin, end);
     std::array<std::size_t, 9> bounds;
     ways_.find_octants(place.level, begin, end, bounds);
@@ -98,16 +95,6 @@ class CellGroups {
     groups_.push_back({&cell, region, places_, end - begin});
     for (std::size_t k = begin; k < end; ++k) place_of_.push_back(static_cast<std::uint32_t>(places_ + (k - begin)));
     places_ += kernels::padded_batches(end - begin);
-  }
-
-  /// Those that follow each other are one group.
-  void add_alone(std::size_t begin, std::size_t end) {
-    if (groups_.empty() || groups_.back().cell != nullptr) groups_.push_back({nullptr, kAllPoints<Real>, places_, 0});
-    CellGroup<Real>& group = groups_.back();
-    for (std::size_t k = begin; k < end; ++k) {
-      place_of_.push_back(static_cast<std::uint32_t>(group.first + group.count++));
-    }
-    places_ = group.first + kernels::padded_batches(group.count);
   }
 
   CellChoice<Real>& choice_;

@@ -71,9 +71,9 @@ std::shared_ptr<Octree<Real>> Field<Real>::octree_of(const Tape& tape, Octrees& 
 
 template <class Real>
 template <class Function>
-void Field<Real>::for_each_group(const Stay& stay, const kernels::Vectors<const Real>& points, std::size_t count,
-                                 const bool& cancelled, StageStats& stage, Function&& f) {
-  groups_->sort(stay, count, cancelled, stage,
+void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
+                                 LoadedTape<Real>& tape, StageStats& stage, Function&& f) {
+  groups_->sort(count, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   if (groups_->places() > sorted_points_.x.size()) {
     const std::size_t size = kernels::padded_lanes(groups_->places() * 3 / 2);
@@ -87,7 +87,7 @@ void Field<Real>::for_each_group(const Stay& stay, const kernels::Vectors<const 
   });
   for (const CellGroup<Real>& group : groups_->groups()) {
     if (is_set(cancelled)) return;
-    f(group);
+    f(tape.view(groups_->part(group)), group);
   }
 }
 
@@ -99,40 +99,13 @@ void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size
     return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
   }
   Buffer<Real>& values = sorted_values_.x;
-  for_each_group(kStayOfSample, points, count, cancelled, stage, [&](const CellGroup<Real>& group) {
-    if (group.cell == nullptr) return distance_alone(group, cancelled, stage);
-    const kernels::TapeView<Real> tape = tape_.view(groups_->part(group));
+  for_each_group(points, count, cancelled, tape_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
     count_run(tape, group.count, 1, stage.work);
     kernels_.distance(tape, tape_.memory(), sorted_points_.from(group.first), group.count, &cancelled,
                       values.data() + group.first);
   });
   std::fill_n(out, count, std::numeric_limits<Real>::quiet_NaN());
   groups_->for_each_place([&](std::size_t i, std::size_t place) { out[i] = values[place]; });
-}
-
-/// Points of a group, each by a part of its own; by the whole tape where lanes have none for one of them.
-template <class Real>
-void Field<Real>::distance_alone(const CellGroup<Real>& group, const bool& cancelled, StageStats& stage) {
-  lanes_->forget_cells();
-  kernels::ChainBlock<Real>& block = lanes_->block();
-  const std::size_t end = group.first + group.count;
-  for (std::size_t first = group.first; first < end && !is_set(cancelled); first += kernels::kLanes) {
-    block.lanes = std::min(kernels::kLanes, end - first);
-    for (std::size_t lane = 0; lane < block.lanes; ++lane) {
-      const std::size_t place = first + lane;
-      lanes_->place(lane, sorted_points_.x[place], sorted_points_.y[place], sorted_points_.z[place]);
-    }
-    const std::uint64_t all = ~std::uint64_t{0} >> (kernels::kLanes - block.lanes);
-    Real* const values = sorted_values_.x.data() + first;
-    if (lanes_->enter(all) == all) {
-      kernels_.evaluate_chain(lanes_->chain(), block, stage.work);
-      std::copy_n(lanes_->field(), block.lanes, values);
-    } else {
-      count_run(tape_.view(), block.lanes, 1, stage.work);
-      kernels_.distance(tape_.view(), tape_.memory(), sorted_points_.from(first), block.lanes, &cancelled, values);
-    }
-    lanes_->clear(all);
-  }
 }
 
 template <class Real>
@@ -143,8 +116,7 @@ void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size
     count_run(gradient_->view(), count, 1, stage.work);
     return kernels_.gradient(gradient_->view(), gradient_->memory(), points, count, &cancelled, out);
   }
-  for_each_group(kStayOfPoint, points, count, cancelled, stage, [&](const CellGroup<Real>& group) {
-    const kernels::TapeView<Real> tape = gradient_->view(groups_->part(group));
+  for_each_group(points, count, cancelled, *gradient_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
     count_run(tape, group.count, 1, stage.work);
     VectorBuffer<Real>& values = sorted_values_;
     kernels_.gradient(tape, gradient_->memory(), sorted_points_.from(group.first), group.count, &cancelled,

@@ -90,11 +90,10 @@ class Field {
   template <class Run, class Step>
   void march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run,
                  Step&& step);
-  /// Runs f(group) for each group of points, whose coordinates are in sorted_points_.
+  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_.
   template <class Function>
-  void for_each_group(const Stay& stay, const kernels::Vectors<const Real>& points, std::size_t count,
-                      const bool& cancelled, StageStats& stage, Function&& f);
-  void distance_alone(const CellGroup<Real>& group, const bool& cancelled, StageStats& stage);
+  void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
+                      LoadedTape<Real>& tape, StageStats& stage, Function&& f);
   void follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                       const kernels::MarchState<Real>& state, const std::uint8_t* status, StageStats& stage);
 
