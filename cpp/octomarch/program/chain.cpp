@@ -121,7 +121,7 @@ bool Chain::find_operands(const TapePart& part, std::vector<std::uint32_t>& oper
   operands.clear();
   for (std::size_t i = 0; i < part.length;) {
     const std::uint32_t at = part.origins[i];
-    const auto operand = static_cast<std::uint32_t>((at + 1) / (body_.size() + 1));
+    const std::uint32_t operand = operand_at(at);
     const std::size_t count = body_.size() + (i > 0 ? 1 : 0);
     // origins ascend
     if (at != head(operand) || i + count > part.length || part.origins[i + count - 1] != at + count - 1) return false;

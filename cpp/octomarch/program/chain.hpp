@@ -30,6 +30,10 @@ class Chain {
   /// Instructions of so many operands.
   std::size_t length(std::size_t operands) const { return head(operands); }
   std::size_t operands_of(const TapePart& part) const { return (part.length + 1) / (body_.size() + 1); }
+  /// Which operand an instruction of the tape is of.
+  std::uint32_t operand_at(std::uint32_t instruction) const {
+    return static_cast<std::uint32_t>((instruction + 1) / (body_.size() + 1));
+  }
   /// Of each operand.
   std::size_t constants() const { return constants_; }
 

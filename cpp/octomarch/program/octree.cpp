@@ -220,7 +220,7 @@ template <class Real>
 typename Octree<Real>::Cell* CellMaker<Real>::make(const Cell& parent, const Place& place, Arena& arena) {
   Cell* const cell = arena.make<Cell>();
   const Region<Real> region = place.region();
-  const std::optional<TapePart> part = pruner_.prune(unpacker_.ready(parent.part), region, octree_.margins(*place.top));
+  const std::optional<TapePart> part = prune(parent.part, region, octree_.margins(*place.top));
   const std::uint32_t before = parent.part.length;
   const std::uint32_t after = part ? part->length : before;
   const bool is_stalled = after > kStall * before;
@@ -233,13 +233,26 @@ typename Octree<Real>::Cell* CellMaker<Real>::make(const Cell& parent, const Pla
   return cell;
 }
 
-/// A part in memory that stays. Equal short parts are one.
+/// Nothing where all is left.
+template <class Real>
+std::optional<TapePart> CellMaker<Real>::prune(const TapePart& part, const Region<Real>& region,
+                                               const Margin* margins) {
+  const TapePart ready = unpacker_.ready(part);
+  const Chain* const chain = octree_.chain();
+  if (chain == nullptr) return pruner_.prune(ready, region, margins);
+  if (!pruner_.prune(*chain, ready, region, margins, operands_)) {
+    const std::optional<TapePart> left = pruner_.prune(ready, region, margins);
+    if (!left || !chain->find_operands(*left, operands_)) return std::nullopt;
+  }
+  if (operands_.size() == chain->operands_of(ready)) return std::nullopt;
+  return chain->part_of(operands_);
+}
+
+/// A part in memory that stays. Equal short parts are one, but for those of chains, which are short anyway.
 template <class Real>
 TapePart CellMaker<Real>::kept(const TapePart& part, bool is_final, Arena& arena) {
-  const Chain* const chain = octree_.chain();
-  if (chain != nullptr && chain->find_operands(part, operands_)) {
-    const std::span<const std::uint32_t> operands(operands_);
-    return chain->part_of({arena.copy(operands), operands.size()});
+  if (const Chain* const chain = octree_.chain()) {
+    return chain->part_of({arena.copy(std::span<const std::uint32_t>(operands_)), operands_.size()});
   }
   if (part.length > kPacked && !is_final) {
     if (const std::optional<TapePart> packed = packer_.pack(part, arena)) return *packed;

@@ -176,6 +176,7 @@ class CellMaker {
   using Branch = typename Octree<Real>::Branch;
 
   Cell* make(const Cell& parent, const Place& place, Arena& arena);
+  std::optional<TapePart> prune(const TapePart& part, const Region<Real>& region, const Margin* margins);
   TapePart kept(const TapePart& part, bool is_final, Arena& arena);
 
   Octree<Real>& octree_;
