@@ -185,10 +185,11 @@ def test_every_march_and_camera(march: str, camera: str):
             assert (expected.status == om.Status.STEP_LIMIT).any()
 
 
-@pytest.mark.parametrize("name", ["everything", "expressions", "metaballs", "blended boxes"])
+@pytest.mark.parametrize("name", ["everything", "expressions", "metaballs", "blended boxes", "a crowd"])
 def test_every_instruction_set_number_of_threads_and_crop(name: str, isa: str, precision: str):
-    options = {"precision": precision, "isa": isa, "shading": SHADINGS[1]}
-    whole = rendered(name, march=WHOLE, precision=precision, shading=SHADINGS[1])
+    shading = SHADINGS[0 if name == "a crowd" else 1]
+    options = {"precision": precision, "isa": isa, "shading": shading}
+    whole = rendered(name, march=WHOLE, precision=precision, shading=shading)
     for threads in (1, 3):
         check_same(rendered(name, threads=threads, **options), whole)
     crop = 13, 9, 21, 18

@@ -35,6 +35,11 @@ NodePtr turned(NodePtr shape, Random& random) {
   return rotate(std::move(shape), uniform(random, 10.0, 80.0), {1.0, uniform(random, 1.0, 2.0), 0.5});
 }
 
+NodePtr shells(NodePtr shape, int count) {
+  for (int i = 0; i < count; ++i) shape = shell(std::move(shape), 0.1 + 0.01 * i);
+  return shape;
+}
+
 struct Made {
   std::string name;
   NodePtr shape;
@@ -86,6 +91,7 @@ TEST_CASE("other tapes are none") {
            },
            0.0),
        0},
+      {"long operands", many([](Random& r) { return shells(ball(r), 8); }, 0.0), 0},
       {"a difference", many(ball, 0.1, NodeKind::kDifference), 0},
       {"blends of two widths", combine(NodeKind::kUnion, {many(ball, 0.1), translate(sphere(0.3), {5, 0, 0})}, 0.2), 0},
       {"a shell of all", shell(many(ball, 0.1), 0.1), 0},

@@ -1,5 +1,6 @@
 // render/chain_march.hpp: rays of which few share a cell end as those that run the whole program, bit for bit, whatever memory there
 // is for cells, and whoever else makes them.
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -36,11 +37,16 @@ struct Ended {
   std::vector<Real> t;
   std::vector<std::uint8_t> status;
   std::vector<std::int32_t> steps;
+  std::vector<Real> visibility;
   std::uint64_t evaluations = 0;
-  std::size_t visits = 0;
+  std::uint64_t visits = 0;
+  std::uint64_t packets = 0;
 
+  /// A group of rays is a packet at the least for each visit.
+  bool went_alone() const { return visits > 4 * packets; }
   bool is_same(const Ended& other) const {
     return std::memcmp(t.data(), other.t.data(), t.size() * sizeof(Real)) == 0 && status == other.status &&
+           std::memcmp(visibility.data(), other.visibility.data(), visibility.size() * sizeof(Real)) == 0 &&
            steps == other.steps && evaluations == other.evaluations;
   }
 };
@@ -70,20 +76,33 @@ class Shooter {
     batch_.origin.z[6] = std::numeric_limits<Real>::max();
   }
 
-  Ended<Real> shoot(std::shared_ptr<Octree<Real>> octree, const March& march, const bool& cancelled) {
-    Ended<Real> ended{std::vector<Real>(kRays), std::vector<std::uint8_t>(kRays), std::vector<std::int32_t>(kRays)};
+  /// What becomes of them, and of as many shadow rays.
+  Ended<Real> shoot(std::shared_ptr<Octree<Real>> octree, const March& march, const bool& cancelled,
+                    const kernels::Isa& isa = kernels::find_isa("scalar")) {
+    Ended<Real> ended{std::vector<Real>(kRays), std::vector<std::uint8_t>(kRays), std::vector<std::int32_t>(kRays),
+                      std::vector<Real>(kRays)};
     const SharedField<Real> shared{&program_, std::move(octree), nullptr, nullptr, false};
-    Field<Real> field(shared, kernels::find_isa("scalar").table<Real>(), kRays);
+    Field<Real> field(shared, isa.table<Real>(), kRays);
     StageStats stage;
-    const RayColumns<Real> columns = own_columns(batch_.origin, batch_.direction, epsilon_);
-    field.march(columns.view({nullptr, Real(0)}, {nullptr, Real(60)}, kRays),
-                march_parameters<Real>(program_, march, Real(1e-3), cancelled), batch_, ended.steps.data(), stage);
+    const kernels::RayView<Real> rays = view();
+    field.march(rays, march_parameters<Real>(program_, march, Real(1e-3), cancelled), batch_, ended.steps.data(),
+                stage);
     std::copy_n(batch_.t.data(), kRays, ended.t.begin());
     std::copy_n(batch_.status.data(), kRays, ended.status.begin());
+    Buffer<Real> visibility(kRays);
+    field.cast_shadows(rays, shadow_parameters<Real>(program_, march, Real(8), Real(1e-3), cancelled), batch_,
+                       visibility.data(), stage);
+    std::copy_n(visibility.data(), kRays, ended.visibility.begin());
     ended.evaluations = stage.work.evaluations;
     ended.visits = stage.cells_visited;
+    ended.packets = stage.work.packets;
     return ended;
   }
+
+  kernels::RayView<Real> view() const {
+    return own_columns(batch_.origin, batch_.direction, epsilon_).view({nullptr, Real(0)}, {nullptr, Real(60)}, kRays);
+  }
+  RayBatch<Real>& batch() { return batch_; }
 
  private:
   const Program& program_;
@@ -109,7 +128,7 @@ TEST_CASE_TEMPLATE("rays alone end as by the whole program, whatever memory ther
         for (int round = 0; round < 2; ++round) {  // cells are made, then found
           const Ended<Real> found = shooter.shoot(octree, march, kNever);
           CHECK(found.is_same(expected));
-          if (most_bytes > 150'000) CHECK(found.visits > kRays);  // few are together
+          if (most_bytes > 150'000) CHECK(found.went_alone());
         }
         CHECK((octree->cells() > Octree<Real>::kTops + 1) == (most_bytes > 0));
         CHECK(octree->is_full() == (most_bytes <= 150'000));
@@ -133,14 +152,54 @@ TEST_CASE("rays that threads march at the same time through cells that they make
   }
 }
 
-TEST_CASE("a march that is cancelled ends") {
-  const auto program = cloud(1500);
+TEST_CASE_TEMPLATE("rays alone end alike by every instruction set", Real, float, double) {
+  const auto program = cloud(1000);
+  Shooter<Real> shooter(*program);
+  const Ended<Real> expected = shooter.shoot(nullptr, March{}, kNever);
+  for (const kernels::Isa& isa : kernels::available_isas()) {
+    CAPTURE(isa.name);
+    const auto octree = std::make_shared<Octree<Real>>(program->distance(), *program->focus());
+    for (int round = 0; round < 2; ++round) {
+      const Ended<Real> found = shooter.shoot(octree, March{}, kNever, isa);
+      CHECK(found.is_same(expected));
+      CHECK(found.went_alone());
+    }
+  }
+}
+
+TEST_CASE("a march of rays alone that is cancelled stops, and leaves nothing for the next") {
+  const auto program = cloud(600);
   Shooter<float> shooter(*program);
-  const bool cancelled = true;
-  const auto octree = std::make_shared<Octree<float>>(program->distance(), *program->focus());
-  CHECK(shooter.shoot(octree, March{}, cancelled).evaluations < kRays);
-  const Ended<float> expected = shooter.shoot(nullptr, March{}, kNever);
-  CHECK(shooter.shoot(octree, March{}, kNever).is_same(expected));
+  const kernels::KernelTable<float>& kernels = kernels::find_isa("scalar").table<float>();
+  Octree<float> octree(program->distance(), *program->focus());
+  Runner<float> runner(program->distance());
+  CellChoice<float> choice(octree, runner);
+  ChainMarch<float> alone(choice);
+  bool is_cancelled = false;
+  const kernels::MarchParameters<float> parameters = march_parameters<float>(*program, March{}, 1e-3F, is_cancelled);
+  std::vector<Way> ways;
+  for (std::size_t i = 10; i < kRays; ++i) ways.emplace_back(0, i);  // those before are no numbers, or far away
+  StageStats stage;
+  choice.begin(kStayOfRay, is_cancelled, stage);
+  const auto march = [&](int cancelled_at) {
+    std::vector<std::int32_t> taken(kRays);
+    const kernels::MarchState<float> state = shooter.batch().state(taken.data());
+    kernels.begin_march(shooter.view(), parameters, kernels::kNothingBefore<float>, state);
+    is_cancelled = false;
+    int steps = 0;
+    alone.march(shooter.view(), ways, parameters, state, taken.data(), [&](const auto&... all) {
+      is_cancelled = ++steps == cancelled_at;
+      return kernels.step_chain(all..., stage.work);
+    });
+    CHECK((cancelled_at == 0 || steps == cancelled_at));
+    return taken;
+  };
+  const std::vector<std::int32_t> expected = march(0);
+  CHECK(*std::ranges::max_element(expected) > 10);
+  for (const int step : {1, 2, 17}) {
+    march(step);
+    CHECK(march(0) == expected);
+  }
 }
 
 }  // namespace

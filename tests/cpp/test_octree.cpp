@@ -103,7 +103,7 @@ TEST_CASE("parts are packed and unpacked as they were, unless their instructions
   const HeldPart whole = whole_of(tape);
   Arena arena;
   Packer packer;
-  const std::vector<std::uint32_t> constants = constants_of(tape);
+  const std::vector<std::uint32_t> constants = constant_offsets(tape);
   Unpacker unpacker(constants);
   const std::optional<TapePart> packed = packer.pack(whole.view(), arena);
   REQUIRE(packed.has_value());
@@ -139,7 +139,7 @@ TEST_CASE("parts are packed and unpacked as they were, unless their instructions
 TEST_CASE("packed parts may come from far apart in a tape") {
   const auto program = compile(row_of_balls(70'000, 0.25));
   const Tape& tape = program->distance();
-  const std::vector<std::uint32_t> constants = constants_of(tape);
+  const std::vector<std::uint32_t> constants = constant_offsets(tape);
   Unpacker unpacker(constants);
   for (const std::vector<std::uint32_t>& gaps : std::initializer_list<std::vector<std::uint32_t>>{
            {65535}, {65536}, {65537}, {131070, 1}, {131071}, {1, 65536, 2, 65537, 1}, {139'000}}) {

@@ -16,6 +16,7 @@
 
 namespace octomarch::kernels {
 
+constexpr std::size_t packets_of(std::size_t count) { return (count + kPacketLanes - 1) / kPacketLanes; }
 constexpr std::size_t padded_lanes(std::size_t count) { return (count + kLanes - 1) / kLanes * kLanes; }
 
 /// Lanes of a batch of the widest instruction set.
@@ -115,8 +116,8 @@ inline constexpr int kDoubtsOfBracket = 16;
 /// Work done, for image.stats: exact counts.
 struct Counters {
   std::uint64_t evaluations = 0;   ///< of the field, at live lanes
-  std::uint64_t lane_slots = 0;    ///< lanes that were computed for them, live or not
-  std::uint64_t packets = 0;       ///< packets that were loaded
+  std::uint64_t lane_slots = 0;    ///< lanes that were computed for them, live or not; alone, for the longest part
+  std::uint64_t packets = 0;       ///< packets that were loaded; eight rays that go alone count as one
   std::uint64_t refills = 0;       ///< those of them that took the slot of one that had ended
   std::uint64_t instructions = 0;  ///< at those lanes; counted by whoever knows how long the tape is
 

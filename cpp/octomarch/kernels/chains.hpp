@@ -2,8 +2,6 @@
 // constants are rows, a column for each lane. march.hpp comes before; render/ puts rays and constants into the lanes.
 #pragma once
 
-#include <type_traits>
-
 #include "octomarch/kernels/march.hpp"
 
 namespace octomarch::kernels::OCTOMARCH_ISA {
@@ -104,7 +102,7 @@ void evaluate_chain(const ChainView<Real>& chain, const ChainBlock<Real>& block,
     for (std::size_t k = 0; k < chain.body_length; ++k) {
       const Instruction& instruction = chain.body[k];
       kLaneHandlers<Real>[static_cast<std::size_t>(instruction.op)](
-          instruction, constants + instruction.constants* kLanes, block.registers, count);
+          instruction, constants + kLanes* instruction.constants, block.registers, count);
     }
     if (j == 0) {
       __builtin_memcpy(taken_up, operand, lanes * sizeof(Real));

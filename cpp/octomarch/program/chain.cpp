@@ -11,6 +11,8 @@ namespace octomarch {
 namespace {
 
 constexpr std::uint16_t kCoordinates = 3;
+/// An operand of more instructions is worth more than a lane's copy of it costs, and there are hardly any.
+constexpr std::size_t kLongest = 8;
 
 /// Can it take operands up? Where it subtracts, a part may need the complement of an operand.
 constexpr bool combines(Opcode op) { return chooses_operand(op) && !chooses_attribute(op) && !subtracts(op); }
@@ -42,7 +44,10 @@ class Renamer {
   }
 
   /// What is in a register has been taken up.
-  void take_up(std::uint16_t taken) { names_[taken] = kTakenUp; }
+  void take_up(std::uint16_t taken) {
+    std::ranges::replace(names_, kTakenUp, kNone);
+    names_[taken] = kTakenUp;
+  }
   bool is_taken_up(std::uint16_t taken) const { return names_[taken] == kTakenUp; }
 
   std::uint16_t name(std::uint16_t taken) const { return names_[taken]; }
@@ -72,7 +77,8 @@ bool Chain::find_body(const Tape& tape) {
   const auto first = std::ranges::find_if(code, [](const Instruction& i) { return combines(i.op); });
   const auto two_bodies = static_cast<std::size_t>(first - code.begin());
   const std::size_t size = two_bodies / 2;
-  if (first == code.end() || size == 0 || two_bodies % 2 != 0 || (code.size() + 1) % (size + 1) != 0) return false;
+  if (first == code.end() || size == 0 || size > kLongest || two_bodies % 2 != 0 || (code.size() + 1) % (size + 1) != 0)
+    return false;
   // besides coordinates and the operand's, what has been taken up
   if (tape.registers > kCoordinates + size * kMaxOutputs + 1) return false;
   Renamer renamer(tape.registers);

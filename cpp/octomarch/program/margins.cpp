@@ -26,12 +26,7 @@ template <class Real>
 class Walk {
  public:
   Walk(const Tape& tape, const Region<Real>& everywhere)
-      : tape_(tape), values_(tape.registers), ranges_(tape.registers) {
-    if constexpr (std::is_same_v<Real, float>) {
-      constants_ = tape.constants_f32.data();
-    } else {
-      constants_ = tape.constants.data();
-    }
+      : tape_(tape), constants_(constants_of<Real>(tape)), values_(tape.registers), ranges_(tape.registers) {
     for (std::uint32_t i = 0; i < tape.inputs; ++i) {
       const bool is_coordinate = i < 3;
       values_[i] = {is_coordinate ? 1.0 : kInfinity, 0.0, 0, is_coordinate ? 1U << i : 0U};

@@ -91,7 +91,7 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
       chain_(Chain::of(tape)),
       focus_size_(static_cast<Real>(longest_side(focus))),
       most_bytes_(most_bytes),
-      constants_(constants_of(tape)) {
+      constants_(chain_ ? std::vector<std::uint32_t>{} : constant_offsets(tape)) {
   constexpr double kFarthest = static_cast<double>(std::numeric_limits<Real>::max()) / 16.0;
   if (chain_) {
     all_operands_.resize(chain_->operands());

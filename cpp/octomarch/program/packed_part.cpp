@@ -61,7 +61,7 @@ std::optional<std::uint8_t> Packer::pattern_of(const Instruction& instruction) {
   return guess;
 }
 
-std::vector<std::uint32_t> constants_of(const Tape& tape) {
+std::vector<std::uint32_t> constant_offsets(const Tape& tape) {
   std::vector<std::uint32_t> constants(tape.code.size());
   std::ranges::transform(tape.code, constants.begin(), &Instruction::constants);
   return constants;
@@ -74,7 +74,7 @@ void Unpacker::reserve(std::size_t length) {
 }
 
 TapePart Unpacker::ready(const TapePart& part) {
-  const bool is_of_chain = part.code == nullptr;
+  const bool is_of_chain = chain_ != nullptr;
   if (part.packed == nullptr && !is_of_chain) return part;
   reserve(part.length);
   TapePart unpacked = part;

@@ -29,12 +29,13 @@ class Packer {
 };
 
 /// Where the constants of each instruction of a tape begin. O(tape).
-std::vector<std::uint32_t> constants_of(const Tape& tape);
+std::vector<std::uint32_t> constant_offsets(const Tape& tape);
 
 /// Unpacks parts, one at a time.
 class Unpacker {
  public:
-  /// `constants`: of the tape. `chain`: which it is, or null. They must outlive this.
+  /// `constants`: where those of each instruction of the tape begin; not read for a chain. `chain`: which the tape is, or null. They
+  /// must outlive this.
   explicit Unpacker(std::span<const std::uint32_t> constants, const Chain* chain = nullptr)
       : constants_(constants), chain_(chain) {}
 

@@ -77,7 +77,7 @@ class Pruner {
   /// next call, and the part must be somewhere else. `margins`: of the tape, where it is run at points of the region; not read
   /// without a sampler. O(part).
   std::optional<TapePart> prune(const TapePart& part, const Region<Real>& region, const Margin* margins);
-  /// The same for a part of a chain, by samples alone: which operands are left; false where they do not tell. O(part), and a third
+  /// The same for a part of a chain, by samples alone: which operands are left; false where they do not tell. O(part), and half
   /// of the time.
   bool prune(const Chain& chain, const TapePart& part, const Region<Real>& region, const Margin* margins,
              std::vector<std::uint32_t>& operands);

@@ -32,6 +32,7 @@ struct TapePart {
   std::uint16_t result = 0;  ///< the first of them
   std::uint32_t registers = 0;
 
+  /// Of parts that are ready to be run.
   std::span<const Instruction> instructions() const { return {code, length}; }
 };
 

@@ -1,5 +1,5 @@
 // Which cells of an octree are run: large ones where few elements come, small ones with short programs where there are many.
-// Comes before cell_groups.hpp and cell_sweep.hpp.
+// Comes before cell_groups.hpp, cell_sweep.hpp and chain_lanes.hpp.
 #pragma once
 
 #include <algorithm>
@@ -65,7 +65,8 @@ class CellChoice {
       const Cell* const child = branch == nullptr ? nullptr : branch->children[octant].load(std::memory_order_acquire);
       if (child != nullptr) {
         __builtin_prefetch(child->branch.load(std::memory_order_relaxed));
-        __builtin_prefetch(child->part.code);
+        __builtin_prefetch(child->part.code != nullptr ? static_cast<const void*>(child->part.code)
+                                                       : child->part.origins);
         apart += running_cost(hoped_length(*child), counts[octant]);
       } else {
         apart += running_cost(hoped_length(cell), counts[octant]);
@@ -77,8 +78,7 @@ class CellChoice {
 
   /// Cells of a chain that have no more operands than this can be run lane by lane (chain_lanes.hpp).
   static constexpr std::size_t kMostOperands = 128;
-  static bool is_of_chain(const Cell& cell) { return cell.part.code == nullptr; }
-  bool fits_lanes(const Cell& cell) const { return is_of_chain(cell) && cell.part.length <= most_length_; }
+  bool fits_lanes(const Cell& cell) const { return cell.part.length <= most_length_; }
   /// Are a cell's elements so few that each should rather run a part of its own, in a cell as small as is worth it? Where memory has
   /// ended lanes may not find a cell.
   bool go_alone(const Cell& cell, std::size_t count) const {
@@ -87,7 +87,7 @@ class CellChoice {
   /// Is a child to be made for an element that is run alone? For cells that are no leaves.
   bool is_worth_making_alone(Cell& cell) {
     if (is_cancelled() || octree_.is_full()) return false;
-    if (!fits_lanes(cell)) return true;
+    if (!fits_lanes(cell)) return true;  // it would cost this element alone a hundredth of that in its next steps
     const double length = cell.part.length;
     const double once = kLaneCost * stay_.evaluations;
     const double stay = kAloneCost + length * (once + kLoadCost);
@@ -120,7 +120,8 @@ class CellChoice {
   /// thirtieth of what it takes, since the smaller cells below it will gain more.
   static constexpr double kCellPrice = 2000.0;
   static constexpr double kPruningPrice = 1.0;
-  /// The part of it for a cell of a chain, which is made in half the time, and whose memory is small.
+  /// The part of it for a cell of a chain, which is made in half the time, takes a third of the memory, and is found by rays that
+  /// gain even by few operands less.
   static constexpr double kChainPrice = 0.125;
   /// What is hoped for from the smaller cells below one, beside its own program, and at the least.
   static constexpr double kHope = 0.25;
@@ -164,7 +165,7 @@ class CellChoice {
   Octree<Real>& octree_;
   CellMaker<Real> maker_;
   Unpacker unpacker_;
-  std::size_t most_length_;  ///< of parts that can be run lane by lane
+  std::size_t most_length_;  ///< of parts that can be run lane by lane; 0 where the tape is no chain
   Stay stay_ = kStayOfPoint;
   const bool* cancelled_ = nullptr;
   StageStats* stage_ = nullptr;

@@ -24,9 +24,10 @@ class CellMarch {
   using Rays = kernels::RayView<Real>;
   using Parameters = kernels::MarchParameters<Real>;
   using State = kernels::MarchState<Real>;
-  /// `lanes`: null where the tape is no chain. Both must outlive this.
-  CellMarch(CellChoice<Real>& choice, ChainLanes<Real>* lanes) : choice_(choice), sweep_(choice) {
-    if (lanes != nullptr) alone_.emplace(*lanes);
+
+  /// `choice` must outlive this.
+  explicit CellMarch(CellChoice<Real>& choice) : choice_(choice), sweep_(choice) {
+    if (choice.octree().chain() != nullptr) alone_.emplace(choice);
   }
 
   /// Marches rays until all have ended or spent their steps, or the march is cancelled. run(part, rays, parameters, region, state)
@@ -48,6 +49,9 @@ class CellMarch {
       take_back(rays, parameters.max_steps, state, waiting);
     };
     const auto march_alone = [&](std::span<const Way> waiting) {
+      const std::size_t packets = kernels::packets_of(waiting.size());
+      stage.work.packets += packets;
+      stage.work.refills += packets - std::min(packets, kernels::kPackets);
       alone_->march(rays, waiting, parameters, state, taken_.data(), step);
       for (const Way way : waiting) {
         const std::size_t i = way.element();
@@ -149,8 +153,8 @@ class CellMarch {
 
   CellChoice<Real>& choice_;
   CellSweep<Real> sweep_;
-  std::optional<ChainMarch<Real>> alone_;
-  std::vector<std::int32_t> taken_;  ///< steps of each ray so far
+  std::optional<ChainMarch<Real>> alone_;  ///< where the tape is a chain
+  std::vector<std::int32_t> taken_;        ///< steps of each ray so far
   // of the rays of one cell:
   VectorBuffer<Real> origin_, direction_;
   Buffer<Real> t_max_, epsilon_, t_, radius_, before_, stride_, boldness_;

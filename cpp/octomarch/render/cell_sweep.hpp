@@ -15,7 +15,8 @@
 namespace octomarch {
 
 /// Rays that wait in cells. Those that have to go back, since a step was too long, wait for the next sweep, and many of a cell
-/// go on together: alone, each would run two programs for itself. Keeps its memory from march to march; one for each thread.
+/// go on together: at once, each would run two programs for itself. Where a tape is a chain, rays of which few share a cell leave the
+/// sweep for good. Keeps its memory from march to march; one for each thread.
 template <class Real>
 class CellSweep {
  public:
@@ -32,8 +33,8 @@ class CellSweep {
   }
 
   /// Calls march(part, region, rays) for the rays of one cell after the other until none waits any more, and march_alone(rays) for
-  /// those that had better run parts of their own; both add rays that have not ended. `nearest`: the octant that most rays come from. Where the choice is cancelled rays are left as
-  /// they are.
+  /// those that had better run parts of their own; both add rays that have not ended. `nearest`: the octant that most rays come
+  /// from. Where the choice is cancelled rays are left as they are.
   template <class March, class MarchAlone>
   void run(unsigned nearest, March&& march, MarchAlone&& march_alone) {
     nearest_ = nearest;

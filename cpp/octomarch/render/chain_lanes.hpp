@@ -1,6 +1,5 @@
-// Lanes that each run a part of their own: the operands that decide in the cell of a chain's octree in which the lane's ray or
-// point is. For where so few share a cell that running it for them alone would leave most lanes empty. Comes before
-// chain_march.hpp and field.hpp.
+// Lanes that each run a part of their own: the operands that decide in the cell of a chain's octree in which the lane's ray is.
+// For where so few share a cell that running it for them alone would leave most lanes empty. Comes before chain_march.hpp.
 #pragma once
 
 #include <algorithm>
@@ -64,7 +63,6 @@ class ChainLanes {
   using Place = typename Octree<Real>::Place;
   static constexpr unsigned kLevels = Octree<Real>::kLevels;
 
-  static constexpr std::size_t kOperandsOfLine = 16;  ///< of a cache line
   /// Parts as short as this are not looked for any deeper.
   static constexpr std::uint32_t kShort = 40;
 
@@ -146,12 +144,11 @@ class ChainLanes {
     if (child == nullptr && choice_.is_worth_making_alone(cell)) {
       child = &choice_.child(cell, path.place(path.depth + 1), octant);
     }
-    return child != nullptr && choice_.is_of_chain(*child) ? child : nullptr;
+    return child;
   }
 
   bool is_ready(const Cell& cell) const {
     __builtin_prefetch(cell.part.origins);
-    __builtin_prefetch(cell.part.origins + kOperandsOfLine);
     return choice_.fits_lanes(cell);
   }
 

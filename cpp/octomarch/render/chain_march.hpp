@@ -22,8 +22,8 @@ class ChainMarch {
   using Rays = kernels::RayView<Real>;
   using State = kernels::MarchState<Real>;
 
-  /// `lanes` must outlive this.
-  explicit ChainMarch(ChainLanes<Real>& lanes) : lanes_(lanes) {}
+  /// The octree must be of a chain. `choice` must outlive this.
+  explicit ChainMarch(CellChoice<Real>& choice) : lanes_(choice) {}
 
   /// Marches some rays until they have ended, or have taken their steps, or come to a place of which lanes have no part: their
   /// pause is kLeft. `taken`: the steps of each of `rays` so far. step(chain, block, live, parameters) is the kernel.
@@ -37,6 +37,7 @@ class ChainMarch {
     max_steps_ = parameters.max_steps;
     steps_ = 0;
     deadline_ = std::numeric_limits<std::int64_t>::max();
+    lanes_.clear(~std::uint64_t{0});  // a march that was cancelled left some
     lanes_.forget_cells();
     kernels::ChainBlock<Real>& block = lanes_.block();
     std::uint64_t live = enter(refill(~std::uint64_t{0}));
@@ -133,7 +134,7 @@ class ChainMarch {
     return all;
   }
 
-  ChainLanes<Real>& lanes_;
+  ChainLanes<Real> lanes_;
   // of the rays that are marched:
   const Rays* rays_ = nullptr;
   const State* state_ = nullptr;

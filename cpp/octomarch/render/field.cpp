@@ -49,8 +49,7 @@ Field<Real>::Field(const SharedField<Real>& shared, const kernels::KernelTable<R
   if (shared.octree) {
     choice_.emplace(*shared.octree, sampler_);
     groups_.emplace(*choice_);
-    if (octree_->chain() != nullptr) lanes_.emplace(*choice_);
-    cell_march_.emplace(*choice_, lanes_ ? &*lanes_ : nullptr);
+    cell_march_.emplace(*choice_);
   }
   if (shared.split == nullptr) return;
   for (const Plane& plane : shared.split->planes) {

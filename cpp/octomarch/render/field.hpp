@@ -116,7 +116,6 @@ class Field {
   KernelSampler<Real> sampler_;
   std::optional<CellChoice<Real>> choice_;
   std::optional<CellGroups<Real>> groups_;
-  std::optional<ChainLanes<Real>> lanes_;  ///< where the octree's tape is a chain
   std::optional<CellMarch<Real>> cell_march_;
   VectorBuffer<Real> sorted_points_, sorted_values_;  ///< by cells
   std::vector<Real> planes_;                          ///< apart from the rest

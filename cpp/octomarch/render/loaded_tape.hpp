@@ -37,8 +37,7 @@ class LoadedTape {
             images_.data(),
             axes()};
   }
-  /// A part of the tape. Looking for coordinates would take longer than what it
-  /// saves at the few points of a cell.
+  /// A part of the tape. Looking for coordinates would take longer than what it saves at the few points of a cell.
   kernels::TapeView<Real> view(const TapePart& part) const {
     return {part.code, part.length, constants_of<Real>(tape_), part.registers, part.result, images_.data(), nullptr};
   }
