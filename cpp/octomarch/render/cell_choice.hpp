@@ -34,7 +34,7 @@ class CellChoice {
       : octree_(octree),
         maker_(octree, sampler),
         unpacker_(octree.unpacker()),
-        most_length_(octree.chain() == nullptr ? 0 : octree.chain()->length(kMostOperands)) {}
+        alone_(octree.chain() == nullptr ? Alone{} : Alone(*octree.chain())) {}
 
   Octree<Real>& octree() { return octree_; }
 
@@ -78,20 +78,21 @@ class CellChoice {
 
   /// Cells of a chain that have no more operands than this can be run lane by lane (chain_lanes.hpp).
   static constexpr std::size_t kMostOperands = 128;
-  bool fits_lanes(const Cell& cell) const { return cell.part.length <= most_length_; }
+  bool fits_lanes(const Cell& cell) const { return cell.part.length <= alone_.most_length; }
   /// Are a cell's elements so few that each should rather run a part of its own, in a cell as small as is worth it? Where memory has
   /// ended lanes may not find a cell.
   bool go_alone(const Cell& cell, std::size_t count) const {
-    return count <= kFew && fits_lanes(cell) && !octree_.is_full();
+    return count <= alone_.few && fits_lanes(cell) && !octree_.is_full();
   }
   /// Is a child to be made for an element that is run alone? For cells that are no leaves.
   bool is_worth_making_alone(Cell& cell) {
     if (is_cancelled() || octree_.is_full()) return false;
-    if (!fits_lanes(cell)) return true;  // it would cost this element alone a hundredth of that in its next steps
+    if (!fits_lanes(cell))
+      return true;  // as lanes have no room for it; that paid even where only a few thousand rays came
     const double length = cell.part.length;
     const double once = kLaneCost * stay_.evaluations;
-    const double stay = kAloneCost + length * (once + kLoadCost);
-    const double apart = stay_.octants * kAloneCost + hoped_length(cell) * (once + stay_.octants * kLoadCost);
+    const double stay = kAloneCost + length * (once + alone_.load_cost);
+    const double apart = stay_.octants * kAloneCost + hoped_length(cell) * (once + stay_.octants * alone_.load_cost);
     return is_worth(cell, stay - apart, price_of_child(length));
   }
 
@@ -112,10 +113,10 @@ class CellChoice {
   static constexpr double kInstructionCost = 1.0;  ///< of an instruction of an evaluation by itself
   static constexpr double kBatchCost = 1.6;        ///< and for each batch
   static constexpr double kAloneCost = 60.0;       ///< of an element that comes to a cell alone
-  static constexpr double kLoadCost = 0.65;        ///< and of an instruction there by itself
-  static constexpr double kLaneCost = 0.25;        ///< and for each evaluation
-  /// A group of more elements is faster than so many alone.
-  static constexpr std::size_t kFew = 32;
+  static constexpr double kLoadCost = 0.32;        ///< and of a constant there by itself
+  static constexpr double kLaneCost = 0.25;        ///< and of an instruction for each evaluation
+  /// A group that has more of an operand's constants than this, all elements together, is faster than they alone.
+  static constexpr std::size_t kFew = 128;
   /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
   /// thirtieth of what it takes, since the smaller cells below it will gain more.
   static constexpr double kCellPrice = 2000.0;
@@ -126,6 +127,20 @@ class CellChoice {
   /// What is hoped for from the smaller cells below one, beside its own program, and at the least.
   static constexpr double kHope = 0.25;
   static constexpr double kLeast = 8.0;
+
+  /// What going alone depends on; nothing does where the tape is no chain.
+  struct Alone {
+    std::size_t most_length = 0;  ///< of parts that can be run lane by lane
+    std::size_t few = 0;          ///< elements that are better alone
+    double load_cost = 0.0;       ///< of an instruction by itself
+
+    Alone() = default;
+    explicit Alone(const Chain& chain)
+        : most_length(chain.length(kMostOperands)),
+          few(kFew / chain.constants()),
+          load_cost(kLoadCost * static_cast<double>(chain.constants()) / static_cast<double>(chain.body().size() + 1)) {
+    }
+  };
 
   static double entering_cost(std::uint32_t count) { return kGroupCost + kElementCost * count; }
 
@@ -165,7 +180,7 @@ class CellChoice {
   Octree<Real>& octree_;
   CellMaker<Real> maker_;
   Unpacker unpacker_;
-  std::size_t most_length_;  ///< of parts that can be run lane by lane; 0 where the tape is no chain
+  Alone alone_;
   Stay stay_ = kStayOfPoint;
   const bool* cancelled_ = nullptr;
   StageStats* stage_ = nullptr;
