@@ -117,6 +117,8 @@ class CellChoice {
   static constexpr double kLaneCost = 0.25;        ///< and of an instruction for each evaluation
   /// A group that has more of an operand's constants than this, all elements together, is faster than they alone.
   static constexpr std::size_t kFew = 128;
+  /// And where there are few operands, and so few cells, rays meet again later: for so many operands one element more may go alone.
+  static constexpr std::size_t kOperandsOfFew = 64;
   /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
   /// thirtieth of what it takes, since the smaller cells below it will gain more.
   static constexpr double kCellPrice = 2000.0;
@@ -137,7 +139,7 @@ class CellChoice {
     Alone() = default;
     explicit Alone(const Chain& chain)
         : most_length(chain.length(kMostOperands)),
-          few(kFew / chain.constants()),
+          few(std::min(kFew / chain.constants(), chain.operands() / kOperandsOfFew)),
           load_cost(kLoadCost * static_cast<double>(chain.constants()) / static_cast<double>(chain.body().size() + 1)) {
     }
   };
