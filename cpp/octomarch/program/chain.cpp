@@ -11,7 +11,7 @@ namespace octomarch {
 namespace {
 
 constexpr std::uint16_t kCoordinates = 3;
-/// An operand of more instructions is worth more than a lane's copy of it costs, and there are hardly any.
+/// Instructions of an operand: whoever runs chains lane by lane has room for the constants of 128 operands, in 64 lanes.
 constexpr std::size_t kLongest = 8;
 
 /// Can it take operands up? Where it subtracts, a part may need the complement of an operand.
@@ -77,8 +77,8 @@ bool Chain::find_body(const Tape& tape) {
   const auto first = std::ranges::find_if(code, [](const Instruction& i) { return combines(i.op); });
   const auto two_bodies = static_cast<std::size_t>(first - code.begin());
   const std::size_t size = two_bodies / 2;
-  if (first == code.end() || size == 0 || size > kLongest || two_bodies % 2 != 0 || (code.size() + 1) % (size + 1) != 0)
-    return false;
+  if (first == code.end() || size == 0 || size > kLongest || two_bodies % 2 != 0) return false;
+  if ((code.size() + 1) % (size + 1) != 0) return false;
   // besides coordinates and the operand's, what has been taken up
   if (tape.registers > kCoordinates + size * kMaxOutputs + 1) return false;
   Renamer renamer(tape.registers);

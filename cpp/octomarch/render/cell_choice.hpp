@@ -84,11 +84,11 @@ class CellChoice {
   bool go_alone(const Cell& cell, std::size_t count) const {
     return count <= alone_.few && fits_lanes(cell) && !octree_.is_full();
   }
-  /// Is a child to be made for an element that is run alone? For cells that are no leaves.
+  /// Is a child to be made for one element, which is run lane by lane? For cells that are no leaves.
   bool is_worth_making_alone(Cell& cell) {
     if (is_cancelled() || octree_.is_full()) return false;
-    if (!fits_lanes(cell))
-      return true;  // as lanes have no room for it; that paid even where only a few thousand rays came
+    // lanes have no room for the cell; to make a child at once paid even where only a few thousand rays came
+    if (!fits_lanes(cell)) return true;
     const double length = cell.part.length;
     const double once = kLaneCost * stay_.evaluations;
     const double stay = kAloneCost + length * (once + alone_.load_cost);

@@ -39,7 +39,7 @@ class ChainLanes {
   void forget_cells() {
     for (Path& path : paths_) path.top = nullptr;
   }
-  /// Lets lanes do without operands.
+  /// Lets lanes that nobody needs take up one operand, the least: those of the others decide how long a block runs.
   void clear(std::uint64_t lanes) {
     for_each_lane(lanes, [&](std::size_t lane) { block_.operands[lane] = Real(1); });
   }
@@ -152,6 +152,7 @@ class ChainLanes {
     return choice_.fits_lanes(cell);
   }
 
+  /// Copies region and constants of a lane's cell into its columns.
   void take(std::size_t lane) {
     const Path& path = paths_[lane];
     const TapePart& part = path.cell().part;
