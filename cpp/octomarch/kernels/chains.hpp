@@ -10,6 +10,7 @@ namespace octomarch::kernels::OCTOMARCH_ISA {
 template <class Real>
 using LaneHandler = void (*)(const Instruction& instruction, const Real* constants, Real* registers, std::size_t count);
 
+/// As execute(), but for the operator, which is made for each batch: one function for both took 3 % more of 2,000 balls' time.
 template <template <class> class Op, class Real, std::size_t Inputs, std::size_t Outputs, std::size_t Constants>
 [[gnu::flatten]] void execute_by_lanes(const Instruction& instruction, const Real* constants, Real* registers,
                                        std::size_t count) {
