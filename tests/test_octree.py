@@ -50,6 +50,39 @@ def boxes(count: int) -> list[om.Shape]:
     return scattered(count, lambda i: om.box((1.0, 0.5 + i % 3, 0.7)))
 
 
+def crowd(count: int = 3000, seed: int = 9) -> om.Shape:
+    return om.spheres(np.random.default_rng(seed).uniform(-2, 2, (count, 3)), np.full(count, 0.05), smooth=0.02)
+
+
+def mixed_crowd() -> om.Shape:
+    """Return small shapes of four kinds."""
+    rng = np.random.default_rng(10)
+    kinds = [om.sphere(0.06), om.box((0.1, 0.05, 0.08)), om.capsule((0, 0, 0), (0.1, 0.1, 0), 0.03)]
+    turned = [om.cone(0.05, 0.15).rotate(float(rng.uniform(-180, 180)), axis="z") for _ in range(400)]
+    shapes = [kinds[i % 3] for i in range(800)] + turned
+    rng.shuffle(shapes)
+    return om.union(*(shape.translate(*rng.uniform(-2, 2, 3)) for shape in shapes), smooth=0.02)
+
+
+def pins() -> om.Shape:
+    """Return copies of a shape that is made of several, turned."""
+    pin = (om.cylinder(0.02, 0.2) | om.sphere(0.05, center=(0, 0.1, 0))) - om.box(0.03, center=(0, 0.12, 0.03))
+    rng = np.random.default_rng(11)
+    matrices = np.tile(np.eye(4), (900, 1, 1))
+    matrices[:, :3, :3] = np.linalg.qr(rng.normal(size=(900, 3, 3))).Q
+    matrices[:, :3, 3] = rng.uniform(-2, 2, (900, 3))
+    return pin.instances(matrices, smooth=0.01)
+
+
+def crowd_and_more() -> om.Shape:
+    """Return a crowd between shapes of which there is one each, cut by others."""
+    x, y, z = om.coordinates()
+    wavy = om.sphere(0.7).displace(0.05 * om.noise(4 * x, 4 * y, 4 * z, seed=3), lipschitz=0.6)
+    turned = om.box((0.5, 1.5, 0.7)).rotate(30, axis=(1, 1, 0)).translate(-1, 0, 1)
+    crowds = crowd(1500) | crowd(300, seed=12).scale(2.0)
+    return om.union(turned, crowds, wavy, smooth=0.03) - om.box(2.0, center=(1.5, 1.5, 1.5)) - om.sphere(0.9)
+
+
 def polygon(corners: int) -> om.Shape:
     angles = np.linspace(0, 2 * np.pi, corners, endpoint=False)
     radii = 0.5 + 0.3 * (np.arange(corners) % 2)
@@ -116,7 +149,10 @@ SCENES: dict[str, Callable[[], om.Shape]] = {
     "blended boxes": lambda: om.union(*boxes(60), smooth=0.1),
     "shells": lambda: om.union(*(ball.shell(0.1) for ball in balls(60)), smooth=0.05),
     "capsules": lambda: om.capsules(*np.random.default_rng(8).uniform(-2, 2, (2, 80, 3)), np.full(80, 0.1), smooth=0.1),
-    "a crowd": lambda: om.spheres(np.random.default_rng(9).uniform(-2, 2, (3000, 3)), np.full(3000, 0.05), smooth=0.02),
+    "a crowd": crowd,
+    "a mixed crowd": mixed_crowd,
+    "a crowd of pins": pins,
+    "a crowd and more": crowd_and_more,
     "a room": lambda: om.union(om.box(8).shell(0.1), *balls(60)),
 }
 CAMERAS = {
@@ -178,16 +214,16 @@ def test_pictures_are_the_same(name: str, precision: str):
 @pytest.mark.parametrize("march", MARCHES)
 @pytest.mark.parametrize("camera", CAMERAS)
 def test_every_march_and_camera(march: str, camera: str):
-    for name in ("everything", "smooth unions", "a crowd"):
+    for name in ("everything", "smooth unions", "a crowd of pins"):
         expected = rendered(name, camera, MARCHES[march] | WHOLE)
         check_same(rendered(name, camera, MARCHES[march]), expected)
         if march == "few steps":
             assert (expected.status == om.Status.STEP_LIMIT).any()
 
 
-@pytest.mark.parametrize("name", ["everything", "expressions", "metaballs", "blended boxes", "a crowd"])
+@pytest.mark.parametrize("name", ["everything", "metaballs", "blended boxes", "a mixed crowd", "a crowd and more"])
 def test_every_instruction_set_number_of_threads_and_crop(name: str, isa: str, precision: str):
-    shading = SHADINGS[0 if name == "a crowd" else 1]
+    shading = SHADINGS[0 if "crowd" in name else 1]
     options = {"precision": precision, "isa": isa, "shading": shading}
     whole = rendered(name, march=WHOLE, precision=precision, shading=shading)
     for threads in (1, 3):
@@ -205,7 +241,7 @@ def test_samples_are_the_same():
 
 def test_counts_of_the_field_are_those_of_the_whole():
     """Which rays are marched together changes no ray's samples."""
-    for name in ("everything", "unions", "smooth unions"):
+    for name in ("everything", "unions", "smooth unions", "a mixed crowd", "a crowd and more"):
         found, whole = rendered(name).stats, rendered(name, march=WHOLE).stats
         assert found["evaluations"] == whole["evaluations"] > 0
         for stage, counts in whole["stages"].items():
@@ -287,6 +323,27 @@ def test_shapes_of_any_make(sample: Sample, seed: int, smooth: float, double: bo
         for march in (om.March(), om.March(prune=False))
     ]
     check_same(*images)
+
+
+@settings(max_examples=25, suppress_health_check=[HealthCheck.too_slow])
+@given(
+    samples=st.lists(nested(3), min_size=1, max_size=3),
+    seed=st.integers(0, 9),
+    smooth=st.sampled_from([0.0, 0.02]),
+    double=st.booleans(),
+)
+def test_crowds_of_any_make(samples: list[Sample], seed: int, smooth: float, double: bool):
+    """So many that rays go alone where they can, among up to three kinds of shapes and balls."""
+    kinds = [sample.shape for sample in samples] + [om.sphere(0.2)]
+    crowd = om.union(*scattered(200, lambda i: kinds[i % len(kinds)].scale(0.3), seed, spread=3.0), smooth=smooth)
+    assume(not om.compile(crowd).is_solid)
+    precision = "float64" if double else "float32"
+    images = [
+        om.render(crowd, CAMERAS["perspective"], (24, 16), planes=tuple(PLANES), march=march, precision=precision)
+        for march in (om.March(), om.March(), om.March(prune=False))
+    ]
+    for found in images[:2]:
+        check_same(found, images[2])
 
 
 def test_ties_have_the_slope_of_the_operand_that_has_one():

@@ -10,6 +10,7 @@
 
 #include "octomarch/graph/builder.hpp"
 #include "octomarch/kernels/dispatch.hpp"
+#include "octomarch/program/chain.hpp"
 #include "octomarch/program/program.hpp"
 #include "octomarch/program/prune.hpp"
 #include "octomarch/render/buffer.hpp"
@@ -86,7 +87,13 @@ VectorBuffer<Real> points_in(const Region<Real>& region, Random& random) {
 template <class Real>
 class Runner final : public Sampler<Real> {
  public:
-  explicit Runner(const Tape& tape) : tape_(tape), memory_(4 * std::size_t{tape.registers} * kernels::kLanes) {
+  explicit Runner(const Tape& tape) : tape_(tape) {
+    std::uint32_t registers = tape.registers;
+    if (const std::optional<Chain> chain = Chain::of(tape)) {
+      table_ = chain->template table<Real>(tape);
+      registers = std::max(registers, chain->registers());
+    }
+    memory_ = Buffer<Real>(4 * std::size_t{registers} * kernels::kLanes);
     for (const NodePtr& node : tape.images) {
       const auto size = [&node](std::size_t i) { return static_cast<std::uint32_t>(node->parameter(i)); };
       images_.push_back({node->texels().data(), size(0), size(1), node->kind() == NodeKind::kGrid ? size(2) : 1U});
@@ -129,10 +136,12 @@ class Runner final : public Sampler<Real> {
  private:
   static const kernels::KernelTable<Real>& table() { return kernels::find_isa("scalar").table<Real>(); }
   kernels::TapeView<Real> view(const TapePart& part, std::size_t length) const {
-    return {part.code, length, constants_of<Real>(tape_), part.registers, part.result, images_.data()};
+    const Real* const constants = part.operands > 0 ? table_.data() : constants_of<Real>(tape_);
+    return {part.code, length, constants, part.registers, part.result, images_.data()};
   }
 
   const Tape& tape_;
+  std::vector<Real> table_;  ///< constants of lists
   bool never_ = false;
   std::vector<kernels::ImageView> images_;
   Buffer<Real> memory_;

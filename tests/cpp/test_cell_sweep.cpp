@@ -16,7 +16,7 @@
 namespace octomarch {
 namespace {
 
-/// Balls and boxes all over a cube, so that cells have something to cut, and no ray goes alone.
+/// Shapes all over a cube, so that cells have something to cut; no lanes run them, so that no ray goes alone.
 auto compiled_cloud() {
   Random random(12);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
   const auto place = [&] { return uniform(random, -4.0, 4.0); };
@@ -24,7 +24,7 @@ auto compiled_cloud() {
   for (int i = 0; i < 400; ++i) {
     const double x = place();
     const double y = place();
-    balls.push_back(translate(i % 2 == 0 ? sphere(0.1) : box({0.1, 0.1, 0.1}), {x, y, place()}));
+    balls.push_back(translate(twist(box({0.1, 0.1, 0.1}), 10, 1), {x, y, place()}));
   }
   return compile(combine(NodeKind::kUnion, std::move(balls), 0.0));
 }

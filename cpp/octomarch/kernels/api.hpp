@@ -155,14 +155,21 @@ struct MarchState {
   std::int32_t* steps;  ///< evaluations of each ray, exactly `count` long, any alignment; null when not wanted
 };
 
-/// A chain (program/chain.hpp) as kernels see it.
+/// A kind of a chain (program/chain.hpp) as kernels see it.
 template <class Real>
-struct ChainView {
+struct KindView {
   const Instruction* body;
-  std::size_t body_length;
-  std::size_t constants;  ///< of an operand
+  std::size_t length;
   Instruction combine;
   const Real* combine_constants;
+};
+
+template <class Real>
+struct ChainView {
+  const KindView<Real>* kinds;
+  std::size_t kind_count;
+  std::size_t columns;   ///< of each operand: see Chain::columns()
+  std::size_t taken_up;  ///< the register of what has been taken up
 };
 
 /// Up to kLanes rays, each with the operands that decide in a region of its own: rows of kLanes.
@@ -177,10 +184,14 @@ struct ChainBlock {
   Real* boldness;
   Vectors<Real> lo, hi;  ///< of each ray's region
   Real* operands;        ///< how many there are in it, at least one
-  Real* constants;       ///< of the first of them, row by row, then of the second …
-  Real* registers;       ///< of the chain; the first three hold the rays' next samples
-  std::size_t lanes;     ///< in use, the first ones
+  Real* columns;      ///< of the first of them, row by row, then of the second …; behind the last, kNoKind for its kind
+  Real* registers;    ///< of the chain; the first three hold the rays' next samples
+  std::size_t lanes;  ///< in use, the first ones
 };
+
+/// Of operands that a lane has not.
+template <class Real>
+inline constexpr Real kNoKind = Real(-1);
 
 /// Which rays of a block go on in their regions, and which left them: their next samples are outside.
 struct ChainStep {
@@ -318,8 +329,8 @@ struct KernelTable {
   /// samples. No other long steps.
   void (*march_shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                        const Region<Real>* region, const MarchState<Real>&, Counters&);
-  /// Steps rays once, those of `live`: bit = lane. The field at their samples is left in the register that the chain's `combine`
-  /// writes. What other lanes hold may be overwritten.
+  /// Steps rays once, those of `live`: bit = lane. The field at their samples is left in the register `taken_up` of the
+  /// chain. What other lanes hold may be overwritten.
   ChainStep (*step_chain)(const ChainView<Real>&, const ChainBlock<Real>&, std::uint64_t live,
                           const MarchParameters<Real>&, Counters&);
   ChainStep (*step_chain_shadow)(const ChainView<Real>&, const ChainBlock<Real>&, std::uint64_t live,

@@ -22,7 +22,7 @@ template <template <class> class Op, class Real, std::size_t Inputs, std::size_t
   Real* const out1 = registers + instruction.out[1] * kLanes;
   Real* const out2 = registers + instruction.out[2] * kLanes;
   for_each_batch<Real>(count, [&](std::size_t lane) {
-    T own[Constants];
+    T own[Constants > 0 ? Constants : 1];
     for (std::size_t k = 0; k < Constants; ++k) own[k] = T::load(constants + k * kLanes + lane);
     const Op<T> op(static_cast<const T*>(own));
     const auto result = [&] {
@@ -84,43 +84,100 @@ OperandCounts count_operands(const ChainBlock<Real>& block, std::size_t count) {
   return {static_cast<std::size_t>(numbers[0][0]), static_cast<std::size_t>(numbers[1][0])};
 }
 
-/// The field at the lanes' points, into the register that `combine` writes.
+/// Runs chains at the points of a block's lanes.
 template <class Real>
-void evaluate_chain(const ChainView<Real>& chain, const ChainBlock<Real>& block, Counters& counters) {
+class ChainEvaluator {
   using T = Lanes<Real>;
-  const std::size_t count = batches<Real>(block.lanes);
-  const auto row = [&](std::size_t index) { return block.registers + index * kLanes; };
-  const std::size_t lanes = count * kWidth<Real>;
-  const auto [least, most] = count_operands(block, count);
-  const Instruction& combine = chain.combine;
-  const Handler<Real> take_up = kValueHandlers<Real>[static_cast<std::size_t>(combine.op)];
-  Instruction aside = combine;  // where not all lanes have as many operands
-  aside.out[0] = combine.in[1];
-  Real* const taken_up = row(combine.out[0]);
-  const Real* const operand = row(combine.in[1]);
-  for (std::size_t j = 0; j < most; ++j) {
-    const Real* const constants = block.constants + j * chain.constants * kLanes;
-    for (std::size_t k = 0; k < chain.body_length; ++k) {
-      const Instruction& instruction = chain.body[k];
-      kLaneHandlers<Real>[static_cast<std::size_t>(instruction.op)](
-          instruction, constants + kLanes* instruction.constants, block.registers, count);
+
+ public:
+  ChainEvaluator(const ChainView<Real>& chain, const ChainBlock<Real>& block)
+      : chain_(chain), block_(block), count_(batches<Real>(block.lanes)), lanes_(count_ * kWidth<Real>) {}
+
+  /// Leaves the field in the register of what has been taken up.
+  void run(Counters& counters) const {
+    counters.lane_slots += lanes_;
+    counters.instructions += lanes_ * (chain_.kind_count == 1 ? run_like() : run_mixed());
+  }
+
+ private:
+  Real* row(std::size_t index) const { return block_.registers + index * kLanes; }
+  const Real* columns_of(std::size_t operand) const { return block_.columns + operand * chain_.columns * kLanes; }
+
+  /// Where all operands are of one kind. Returns how many instructions were run.
+  std::size_t run_like() const {
+    const KindView<Real>& kind = chain_.kinds[0];
+    const auto [least, most] = count_operands(block_, count_);
+    for (std::size_t j = 0; j < most; ++j) {
+      make_operand(kind, j);
+      if (j == 0) {
+        __builtin_memcpy(row(chain_.taken_up), row(operand_of(kind)), lanes_ * sizeof(Real));
+      } else if (j < least) {
+        combine(kind, chain_.taken_up);
+      } else {
+        combine(kind, operand_of(kind));
+        const T index = static_cast<Real>(j);
+        take_up(kind, [&](std::size_t lane) { return T::load(block_.operands + lane) > index; });
+      }
     }
-    if (j == 0) {
-      __builtin_memcpy(taken_up, operand, lanes * sizeof(Real));
-    } else if (j < least) {
-      take_up(combine, chain.combine_constants, block.registers, count, nullptr);
-    } else {
-      take_up(aside, chain.combine_constants, block.registers, count, nullptr);
-      const T index = static_cast<Real>(j);
-      for_each_batch<Real>(count, [&](std::size_t lane) {
-        const Mask<Real> has = T::load(block.operands + lane) > index;
-        select(has, T::load(operand + lane), T::load(taken_up + lane)).store(taken_up + lane);
-      });
+    return most * (kind.length + 1) - 1;
+  }
+
+  /// Where lanes may have operands of several kinds at one place: each is made for all of them, and taken up by its own.
+  std::size_t run_mixed() const {
+    const std::size_t most = count_operands(block_, count_).most;
+    std::size_t instructions = 0;
+    for (std::size_t j = 0; j < most; ++j) {
+      const Real* const kinds = columns_of(j) + (chain_.columns - 1) * kLanes;
+      for (std::size_t k = 0; k < chain_.kind_count; ++k) {
+        const T index = static_cast<Real>(k);
+        const auto has = [&](std::size_t lane) { return T::load(kinds + lane) == index; };
+        Mask<Real> any = has(0);
+        for_each_batch<Real>(count_, [&](std::size_t lane) { any = any | has(lane); });
+        if (any.bits() == 0) continue;
+        const KindView<Real>& kind = chain_.kinds[k];
+        make_operand(kind, j);
+        if (j > 0) combine(kind, operand_of(kind));
+        take_up(kind, has);
+        instructions += kind.length + (j > 0 ? 1 : 0);
+      }
+    }
+    return instructions;
+  }
+
+  static std::size_t operand_of(const KindView<Real>& kind) { return kind.body[kind.length - 1].out[0]; }
+
+  void make_operand(const KindView<Real>& kind, std::size_t j) const {
+    const Real* const constants = columns_of(j);
+    for (std::size_t k = 0; k < kind.length; ++k) {
+      const Instruction& instruction = kind.body[k];
+      kLaneHandlers<Real>[static_cast<std::size_t>(instruction.op)](
+          instruction, constants + kLanes* instruction.constants, block_.registers, count_);
     }
   }
-  counters.lane_slots += lanes;
-  counters.instructions += lanes * (most * (chain.body_length + 1) - 1);
-}
+
+  /// What has been taken up with the operand, into a register.
+  void combine(const KindView<Real>& kind, std::size_t into) const {
+    Instruction combine = kind.combine;
+    combine.out[0] = static_cast<std::uint16_t>(into);
+    kValueHandlers<Real>[static_cast<std::size_t>(combine.op)](combine, kind.combine_constants, block_.registers,
+                                                               count_, nullptr);
+  }
+
+  /// Moves what is in the operand's register to what has been taken up, in those lanes that have it.
+  template <class Has>
+  [[gnu::always_inline]] void take_up(const KindView<Real>& kind, const Has& has) const {
+    Real* const taken_up = row(chain_.taken_up);
+    const Real* const operand = row(operand_of(kind));
+    for_each_batch<Real>(count_, [&](std::size_t lane) {
+      select(has(lane), T::load(operand + lane), T::load(taken_up + lane)).store(taken_up + lane);
+    });
+  }
+
+  const ChainView<Real>& chain_;
+  const ChainBlock<Real>& block_;
+  const std::size_t count_;
+  const std::size_t lanes_;
+};
 
 template <class Real, class Steps, class Task>
 class ChainMarcher {
@@ -132,7 +189,7 @@ class ChainMarcher {
       : chain_(chain), block_(block), stepper_(parameters, task) {}
 
   ChainStep step(std::uint64_t live, Counters& counters) {
-    evaluate_chain(chain_, block_, counters);
+    ChainEvaluator<Real>(chain_, block_).run(counters);
     counters.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
     return step_rays(batches<Real>(block_.lanes), live);
   }
@@ -146,7 +203,7 @@ class ChainMarcher {
                               block_.before,      block_.origin.x,    block_.origin.y,    block_.origin.z,
                               block_.t_max,       block_.epsilon,     block_.stride,      block_.boldness};
     const Stepper<Real, Steps, Task> stepper = stepper_;
-    const Real* const field = row(chain_.combine.out[0]);
+    const Real* const field = row(chain_.taken_up);
     ChainStep all{0, 0};
     for_each_batch<Real>(count, [&](std::size_t lane) {
       const T t_max = T::load(state.t_max + lane);

@@ -42,7 +42,7 @@ struct PolygonEdge {
         rise(p[8]),
         low(min(ay, by)),
         high(max(ay, by)),
-        least(std::numeric_limits<Real>::min()),
+        least(std::numeric_limits<Number<Real>>::min()),
         zero(Real(0)),
         half(Real(0.5)),
         one(Real(1)) {}
@@ -78,7 +78,7 @@ template <class C>
 struct Polygon {
   C least, zero;
   template <class Real>
-  explicit Polygon(const Real* /*none*/) : least(std::numeric_limits<Real>::min()), zero(Real(0)) {}
+  explicit Polygon(const Real* /*none*/) : least(std::numeric_limits<Number<Real>>::min()), zero(Real(0)) {}
 
   template <class T>
   T operator()(const T& nearest) const {
@@ -94,7 +94,7 @@ struct CappedCone {
   C none;
   template <class Real>
   explicit CappedCone(const Real* p)
-      : bottom(p), side(p + 9), top(p + 18), none(std::numeric_limits<Real>::infinity()) {}
+      : bottom(p), side(p + 9), top(p + 18), none(std::numeric_limits<Number<Real>>::infinity()) {}
 
   template <class T>
   T operator()(const T& x, const T& y, const T& z) const {

@@ -1,67 +1,105 @@
-// Chains: tapes that take up one operand after the other, all made by the same instructions but for their constants, such as balls
-// that are united. What is left of a chain in a region is a list of operands, so that rays in many regions can be marched side by
-// side, each lane by operands of its own. Lowering comes before, packed_part.hpp and the octree after.
+// Chains: the operands of a tape that it unites, intersects or blends one after the other, where they are short and of a few kinds:
+// balls and boxes, say, which differ in their constants. What is left of such a tape in a region is mostly a list of operands, so
+// that rays in many regions can be marched side by side, each lane by operands of its own. Lowering comes before, packed_part.hpp
+// and the octree after.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "octomarch/program/choices.hpp"
 #include "octomarch/program/program.hpp"
+#include "octomarch/program/region.hpp"
 #include "octomarch/program/tape_part.hpp"
 
 namespace octomarch {
 
 class Chain {
  public:
-  /// A tape as a chain; nothing where it is none, or where its operands could be pruned in themselves. O(tape).
+  /// Instructions of an operand.
+  static constexpr std::size_t kLongest = 24;
+  static constexpr std::size_t kMostKinds = 8;
+
+  /// Constants of what takes operands up.
+  static constexpr std::size_t kMostOfCombine = 2;
+
+  /// What operands are alike in: all but their constants.
+  struct Kind {
+    std::array<Instruction, kLongest + 1> instructions{};
+    std::size_t length = 0;     ///< of the body
+    std::size_t constants = 0;  ///< likewise
+    std::array<double, kMostOfCombine> of_combine{};
+
+    /// Makes an operand from the coordinates in registers 0, 1, 2, which it leaves alone; it is the output of the last
+    /// instruction. Constants are numbered from the operand's first.
+    std::span<const Instruction> body() const { return {instructions.data(), length}; }
+    std::uint16_t operand() const { return instructions[length - 1].out[0]; }  ///< its register, which nothing else has
+    /// Takes an operand up: one of its inputs, and its output, are what has been taken up so far. Its constants, the same for all
+    /// operands, are the table's.
+    const Instruction& combine() const { return instructions[length]; }
+    bool takes_operand_first() const { return combine().in[1] == combine().out[0]; }
+    friend bool operator==(const Kind& a, const Kind& b);
+  };
+
+  /// The chain of a tape; nothing where that would be less than half of it. O(tape).
   static std::optional<Chain> of(const Tape& tape);
 
-  /// Makes an operand from the coordinates in registers 0, 1, 2, which it leaves alone; it is the output of the last
-  /// instruction. Constants are numbered from the operand's first.
-  std::span<const Instruction> body() const { return body_; }
-  /// Takes an operand up: its first input, and its output, are what has been taken up so far. Its constants are the tape's.
-  const Instruction& combine() const { return combine_; }
-  std::uint32_t registers() const { return combine_.out[0] + 1U; }
-  /// Of the tape.
-  std::size_t operands() const { return operands_; }
-  /// Instructions of so many operands.
-  std::size_t length(std::size_t operands) const { return head(operands); }
-  std::size_t operands_of(const TapePart& part) const { return (part.length + 1) / (body_.size() + 1); }
-  /// Which operand an instruction of the tape is of.
-  std::uint32_t operand_at(std::uint32_t instruction) const {
-    return static_cast<std::uint32_t>((instruction + 1) / (body_.size() + 1));
+  std::span<const Kind> kinds() const { return kinds_; }
+  std::size_t operands() const { return heads_.size(); }
+  const Kind& kind_of(std::size_t operand) const {
+    return kinds_[has_one_kind() ? 0 : kind_of_[operand]];  // without a look at memory where there is nothing to see
   }
-  /// Of each operand.
-  std::size_t constants() const { return constants_; }
+  bool has_one_kind() const { return kinds_.size() == 1; }
+  /// Is there nothing else in the tape?
+  bool is_whole() const { return is_whole_; }
+  /// The register of what has been taken up.
+  std::uint16_t taken_up() const { return taken_up_; }
+  std::uint32_t registers() const { return taken_up_ + 1U; }
 
-  /// The first of an operand, in the tape's. The others follow.
-  std::size_t first_constant(std::size_t operand) const {
-    return operand == 0 ? 0 : operand * (constants_ + info(combine_.op).constants) - info(combine_.op).constants;
-  }
+  /// What the table has of each operand: its constants and, where there are several kinds, behind them as many zeros as it has fewer
+  /// than others, and its kind.
+  std::size_t columns() const { return columns_; }
+  /// The constants of lists: rows of one operand after the other, then what their combines go by. O(operands).
+  template <class Real>
+  std::vector<Real> table(const Tape& tape) const;
+  /// Margins of lists that are run at points of a region, where their code says (write_code). O(operands).
+  template <class Real>
+  std::vector<Margin> margins(const Tape& tape, const Region<Real>& region) const;
 
-  /// The operands that a part of the tape has, ascending; false where it has something else too. O(part).
+  /// The operands that a part of the tape has something of, ascending; false where it has something else too. All of them gives the
+  /// part's bits where it gives the tape's, since what an operand is without is what does not matter. O(part log operands).
   bool find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const;
-  /// The part of such operands, which stay somebody else's. O(1).
+  /// The same for what is left of a list that was ready to be run. O(part).
+  static void find_operands_of_list(const TapePart& left, std::vector<std::uint32_t>& operands);
+  /// The part of such operands, which stay somebody else's: a list. O(operands).
   TapePart part_of(std::span<const std::uint32_t> operands) const;
-  /// The instructions of such a part, and where they stand in the tape, both as long as it. O(part).
-  void write_code(const TapePart& part, Instruction* code, std::uint32_t* origins) const;
+  /// The instructions of a list, and which margins are theirs, both as long as it. O(part).
+  void write_code(const TapePart& list, Instruction* code, std::uint32_t* origins) const;
+  /// Bytes of what is kept of each operand.
+  std::size_t bytes() const { return operands() * (sizeof(std::uint32_t) + 1); }
 
  private:
   Chain() = default;
 
-  bool find_body(const Tape& tape);
-  bool has_only_such_operands(const Tape& tape) const;
-  bool has_same_constants(const Tape& tape, const Instruction& combine) const;
-  /// Where an operand begins in the tape. It is taken up just before the next.
-  std::size_t head(std::size_t operand) const { return operand == 0 ? 0 : operand * (body_.size() + 1) - 1; }
+  void name_taken_up(std::uint16_t taken_up);
+  /// One past an operand and what takes it up, in the tape.
+  std::size_t end(std::size_t operand) const {
+    const bool is_taken_up = operand > 0 || !has_first_;
+    return heads_[operand] + kind_of(operand).length + (is_taken_up ? 1 : 0);
+  }
 
-  std::vector<Instruction> body_;
-  Instruction combine_{};
-  std::size_t operands_ = 0;
-  std::size_t constants_ = 0;
+  std::vector<Kind> kinds_;
+  // by operand:
+  std::vector<std::uint32_t> heads_;  ///< where it begins in the tape, ascending
+  std::vector<std::uint8_t> kind_of_;
+  bool has_first_ = false;  ///< is the first one taken up by nothing, as others are added to it?
+  std::size_t columns_ = 0;
+  std::uint16_t taken_up_ = 0;
+  bool is_whole_ = false;
 };
 
 }  // namespace octomarch

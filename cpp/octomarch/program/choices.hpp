@@ -44,10 +44,23 @@ constexpr bool takes_larger(Opcode op) {
          op == Opcode::kSelectIntersection || op == Opcode::kMixIntersection;
 }
 
-/// Is there a kernel that runs it with constants of each lane's own? Of what makes primitives, and decides nothing.
+/// Is there a kernel that runs it with constants of each lane's own? Of what primitives are made by, moved and put together.
 constexpr bool runs_by_lanes(Opcode op) {
-  return info(op).of_coordinates == OfCoordinates::kNumber || op == Opcode::kRotate || op == Opcode::kShell ||
-         op == Opcode::kAddConstant || op == Opcode::kMultiplyConstant;
+  switch (op) {
+    case Opcode::kCappedCone:
+    case Opcode::kOctahedron:
+    case Opcode::kPyramid:
+    case Opcode::kComplement:
+    case Opcode::kShell:
+    case Opcode::kExtrude:
+    case Opcode::kRotate:
+    case Opcode::kElongate:
+    case Opcode::kAbsolute:
+    case Opcode::kAddConstant:
+    case Opcode::kMultiplyConstant: return true;
+    default:
+      return info(op).of_coordinates == OfCoordinates::kNumber || (chooses_operand(op) && !chooses_attribute(op));
+  }
 }
 
 /// In so many times its k the exponential blend is nothing, even beside a denormal number.

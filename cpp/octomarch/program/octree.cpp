@@ -89,11 +89,12 @@ template <class Real>
 Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes)
     : tape_(tape),
       chain_(Chain::of(tape)),
+      table_(chain_ ? chain_->table<Real>(tape) : std::vector<Real>{}),
       focus_size_(static_cast<Real>(longest_side(focus))),
       most_bytes_(most_bytes),
-      constants_(chain_ ? std::vector<std::uint32_t>{} : constant_offsets(tape)) {
+      constants_(is_list() ? std::vector<std::uint32_t>{} : constant_offsets(tape)) {
   constexpr double kFarthest = static_cast<double>(std::numeric_limits<Real>::max()) / 16.0;
-  if (chain_) {
+  if (is_list()) {
     all_operands_.resize(chain_->operands());
     std::iota(all_operands_.begin(), all_operands_.end(), 0U);
   } else {
@@ -121,12 +122,12 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
   cells_ = 1 + tops_.size();
   bytes_ = sizeof(*this) + tops_.size() * sizeof(Top) + constants_.size() * sizeof(std::uint32_t) +
            whole_.code.size() * (sizeof(Instruction) + sizeof(std::uint32_t)) +
-           all_operands_.size() * sizeof(std::uint32_t);
+           all_operands_.size() * sizeof(std::uint32_t) + table_.size() * sizeof(Real) + (chain_ ? chain_->bytes() : 0);
 }
 
 template <class Real>
 TapePart Octree<Real>::whole() const {
-  return chain_ ? chain_->part_of(all_operands_) : whole_.view();
+  return is_list() ? chain_->part_of(all_operands_) : whole_.view();
 }
 
 template <class Real>
@@ -153,12 +154,15 @@ bool Octree<Real>::is_full() const {
 
 /// The farther points may be, the larger are roundings, so that each of the largest cells has margins of its own.
 template <class Real>
-const Margin* Octree<Real>::margins(Top& top) {
+const Margin* Octree<Real>::margins(Top& top, const TapePart& part) {
   std::call_once(top.is_walked, [&] {
-    top.margins = margins_of(tape_, Place{&top, 0, {}}.region());
-    bytes_.fetch_add(top.margins.size() * sizeof(Margin), std::memory_order_relaxed);
+    const Region<Real> region = Place{&top, 0, {}}.region();
+    if (!is_list()) top.margins = margins_of(tape_, region);
+    if (chain_) top.margins_of_lists = chain_->margins(tape_, region);
+    const std::size_t count = top.margins.size() + top.margins_of_lists.size();
+    bytes_.fetch_add(count * sizeof(Margin), std::memory_order_relaxed);
   });
-  return top.margins.data();
+  return part.is_list() ? top.margins_of_lists.data() : top.margins.data();
 }
 
 template <class Real>
@@ -190,7 +194,10 @@ bool Octree<Real>::is_small(const Place& place) const {
 
 template <class Real>
 CellMaker<Real>::CellMaker(Octree<Real>& octree, Sampler<Real>& sampler)
-    : octree_(octree), pruner_(octree.tape(), &sampler), unpacker_(octree.unpacker()), arena_(octree.lend()) {}
+    : octree_(octree),
+      pruner_(octree.tape(), &sampler, octree.table()),
+      unpacker_(octree.unpacker()),
+      arena_(octree.lend()) {}
 
 template <class Real>
 CellMaker<Real>::~CellMaker() {
@@ -220,7 +227,7 @@ template <class Real>
 typename Octree<Real>::Cell* CellMaker<Real>::make(const Cell& parent, const Place& place, Arena& arena) {
   Cell* const cell = arena.make<Cell>();
   const Region<Real> region = place.region();
-  const std::optional<TapePart> part = prune(parent.part, region, octree_.margins(*place.top));
+  const std::optional<TapePart> part = prune(parent.part, region, octree_.margins(*place.top, parent.part));
   const std::uint32_t before = parent.part.length;
   const std::uint32_t after = part ? part->length : before;
   const bool is_stalled = after > kStall * before;
@@ -239,20 +246,24 @@ std::optional<TapePart> CellMaker<Real>::prune(const TapePart& part, const Regio
                                                const Margin* margins) {
   const TapePart ready = unpacker_.ready(part);
   const Chain* const chain = octree_.chain();
-  if (chain == nullptr) return pruner_.prune(ready, region, margins);
-  if (!pruner_.prune(*chain, ready, region, margins, operands_)) {
+  if (!part.is_list()) {
     const std::optional<TapePart> left = pruner_.prune(ready, region, margins);
-    if (!left || !chain->find_operands(*left, operands_)) return std::nullopt;
+    return left && chain != nullptr && chain->find_operands(*left, operands_) ? chain->part_of(operands_) : left;
   }
-  if (operands_.size() == chain->operands_of(ready)) return std::nullopt;
+  if (!pruner_.prune(*chain, part, ready, region, margins, operands_)) {
+    const std::optional<TapePart> left = pruner_.prune(ready, region, margins);
+    if (!left) return std::nullopt;
+    Chain::find_operands_of_list(*left, operands_);
+  }
+  if (operands_.size() == part.operands) return std::nullopt;
   return chain->part_of(operands_);
 }
 
-/// A part in memory that stays. Equal short parts are one, but for those of chains, which are short anyway.
+/// A part in memory that stays. Equal short parts are one, but for lists, which are short anyway.
 template <class Real>
 TapePart CellMaker<Real>::kept(const TapePart& part, bool is_final, Arena& arena) {
-  if (const Chain* const chain = octree_.chain()) {
-    return chain->part_of({arena.copy(std::span<const std::uint32_t>(operands_)), operands_.size()});
+  if (part.is_list()) {
+    return octree_.chain()->part_of({arena.copy(std::span<const std::uint32_t>(operands_)), operands_.size()});
   }
   if (part.length > kPacked && !is_final) {
     if (const std::optional<TapePart> packed = packer_.pack(part, arena)) return *packed;

@@ -62,7 +62,10 @@ class Octree {
     Real room;      ///< by which regions are larger than cells, since places of points are rounded
     Cell cell;
     std::once_flag is_walked;
-    std::vector<Margin> margins;  ///< of the tape, where it is run at points of the cell; made when first asked for
+    // made when first asked for:
+    std::vector<Margin>
+        margins;  ///< of the tape, where it is run at points of the cell; empty where all parts are lists
+    std::vector<Margin> margins_of_lists;
 
     /// Where a point is, in smallest cells; false, and nothing, where it is not in this one.
     bool find(Real x, Real y, Real z, std::array<std::uint32_t, 3>& at) const {
@@ -101,7 +104,7 @@ class Octree {
   Octree(const Octree&) = delete;
 
   const Tape& tape() const { return tape_; }
-  /// Which the tape is, or null. Its parts are lists of operands.
+  /// The tape's, or null. Parts that have nothing but its operands are lists.
   const Chain* chain() const { return chain_ ? &*chain_ : nullptr; }
   /// That parts need at the most.
   std::uint32_t registers() const;
@@ -120,6 +123,8 @@ class Octree {
     }
     return nullptr;
   }
+  /// Of the chain's operands, Chain::table().
+  const Real* table() const { return table_.data(); }
   Unpacker unpacker() const { return Unpacker(constants_, chain()); }
   static constexpr unsigned kWayBits = 3 * kLevels;
 
@@ -136,15 +141,18 @@ class Octree {
   std::unique_ptr<Arena> lend();
   void give_back(std::unique_ptr<Arena> arena);
   bool is_small(const Place& place) const;
-  const Margin* margins(Top& top);
+  /// Is the whole tape one?
+  bool is_list() const { return chain_ && chain_->is_whole(); }
+  const Margin* margins(Top& top, const TapePart& part);
   TapePart whole() const;
 
   const Tape& tape_;
   std::optional<Chain> chain_;
+  std::vector<Real> table_;
   std::vector<std::uint32_t> all_operands_;
   Real focus_size_;
   std::size_t most_bytes_;
-  HeldPart whole_;  ///< where the tape is no chain
+  HeldPart whole_;  ///< where the tape is more than its chain
   std::vector<std::uint32_t> constants_;
   std::atomic<std::size_t> cells_{0};
   std::atomic<std::size_t> bytes_{0};

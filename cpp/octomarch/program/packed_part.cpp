@@ -74,14 +74,13 @@ void Unpacker::reserve(std::size_t length) {
 }
 
 TapePart Unpacker::ready(const TapePart& part) {
-  const bool is_of_chain = chain_ != nullptr;
-  if (part.packed == nullptr && !is_of_chain) return part;
+  if (part.packed == nullptr && !part.is_list()) return part;
   reserve(part.length);
   TapePart unpacked = part;
   unpacked.code = code_.data();
   unpacked.packed = nullptr;
   unpacked.origins = origins_.data();
-  if (is_of_chain) {
+  if (part.is_list()) {
     chain_->write_code(part, code_.data(), origins_.data());
     return unpacked;
   }

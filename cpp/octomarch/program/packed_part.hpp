@@ -34,12 +34,12 @@ std::vector<std::uint32_t> constant_offsets(const Tape& tape);
 /// Unpacks parts, one at a time.
 class Unpacker {
  public:
-  /// `constants`: where those of each instruction of the tape begin; not read for a chain. `chain`: which the tape is, or null. They
-  /// must outlive this.
+  /// `constants`: where those of each instruction of the tape begin; not read for lists. `chain`: the tape's, or null where there are no
+  /// lists. They must outlive this.
   explicit Unpacker(std::span<const std::uint32_t> constants, const Chain* chain = nullptr)
       : constants_(constants), chain_(chain) {}
 
-  /// The part ready to be run or pruned, until the next call. O(length) where it is packed or of a chain, else O(1).
+  /// The part ready to be run or pruned, until the next call. O(length) where it is packed or a list, else O(1).
   TapePart ready(const TapePart& part);
 
  private:

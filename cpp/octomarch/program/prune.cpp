@@ -56,12 +56,13 @@ std::uint16_t RegisterNames::take() {
 }
 
 template <class Real>
-Pruner<Real>::Pruner(const Tape& tape, Sampler<Real>* sampler)
-    : tape_(tape), sampler_(sampler), constants_(constants_of<Real>(tape)) {}
+Pruner<Real>::Pruner(const Tape& tape, Sampler<Real>* sampler, const Real* table)
+    : tape_(tape), sampler_(sampler), table_(table) {}
 
 template <class Real>
 std::optional<TapePart> Pruner<Real>::prune(const TapePart& part, const Region<Real>& region, const Margin* margins) {
   margins_ = margins;
+  constants_ = part.operands > 0 ? table_ : constants_of<Real>(tape_);
   choices_.assign(part.length, Choice::kItself);
   uses_.resize(part.length);
   if (sampler_ != nullptr) sample(part, region);

@@ -70,17 +70,17 @@ class RegisterNames {
 template <class Real>
 class Pruner {
  public:
-  /// `sampler`: null to decide by ranges alone. Both must outlive this.
-  explicit Pruner(const Tape& tape, Sampler<Real>* sampler = nullptr);
+  /// `sampler`: null to decide by ranges alone. `table`: constants of lists, or null where there are none. All must outlive this.
+  explicit Pruner(const Tape& tape, Sampler<Real>* sampler = nullptr, const Real* table = nullptr);
 
   /// What is left of a part in a region, which must lie in the part's own; nothing if that is all of it. It is there until the
-  /// next call, and the part must be somewhere else. `margins`: of the tape, where it is run at points of the region; not read
-  /// without a sampler. O(part).
+  /// next call, and the part must be somewhere else. `margins`: of the tape, where it is run at points of the region, or for
+  /// lists; not read without a sampler. O(part).
   std::optional<TapePart> prune(const TapePart& part, const Region<Real>& region, const Margin* margins);
-  /// The same for a part of a chain, by samples alone: which operands are left; false where they do not tell. O(part), and half
-  /// of the time.
-  bool prune(const Chain& chain, const TapePart& part, const Region<Real>& region, const Margin* margins,
-             std::vector<std::uint32_t>& operands);
+  /// The same for a list, by samples alone: which operands are left; false where they do not tell. `ready`: the same part, ready to be
+  /// run. O(part), and half of the time.
+  bool prune(const Chain& chain, const TapePart& list, const TapePart& ready, const Region<Real>& region,
+             const Margin* margins, std::vector<std::uint32_t>& operands);
 
  private:
   /// At which samples a value matters. Where it does not, it may be off, but only to one side: what takes the smaller of two
@@ -126,7 +126,8 @@ class Pruner {
   const Tape& tape_;
   Sampler<Real>* const sampler_;
   const Margin* margins_ = nullptr;  ///< while it prunes
-  const Real* constants_;
+  const Real* const table_;
+  const Real* constants_ = nullptr;  ///< likewise
   SamplePoints<Real> points_;
   std::vector<TakenAt> taken_;  ///< by instruction, as the next two
   std::vector<Choice> choices_;

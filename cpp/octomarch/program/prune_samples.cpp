@@ -94,36 +94,39 @@ void Pruner<Real>::require_operands(const Instruction& instruction, std::size_t 
 
 /// As require_operands(), where each operand is read by what takes it up and by nothing else.
 template <class Real>
-bool Pruner<Real>::prune(const Chain& chain, const TapePart& part, const Region<Real>& region, const Margin* margins,
-                         std::vector<std::uint32_t>& operands) {
+bool Pruner<Real>::prune(const Chain& chain, const TapePart& list, const TapePart& ready, const Region<Real>& region,
+                         const Margin* margins, std::vector<std::uint32_t>& operands) {
   set_points(region, points_);
-  taken_.resize(part.length);
-  sampler_->compare(part, points_, margins, taken_.data());
+  taken_.resize(ready.length);
+  sampler_->compare(ready, points_, margins, taken_.data());
   operands.clear();
-  std::uint64_t where = kEverywhere;  // what has been taken up matters
-  for (std::size_t i = chain.operands_of(part); i-- > 0;) {
-    const std::size_t at = chain.length(i + 1) - 1;  // where it is taken up in the part
-    const std::uint32_t operand = chain.operand_at(part.origins[at]);
-    if (i == 0) {
-      operands.push_back(operand);
-      break;
-    }
-    if (!is_known(margins[part.origins[at]])) return false;
-    const std::uint64_t first = where & ~taken_[at].second;
-    if ((where & ~taken_[at].first) == 0) continue;
+  Need need{kEverywhere, false, false};  // of what has been taken up
+  std::size_t at = list.length;
+  for (std::size_t i = list.operands; i-- > 1;) {
+    const std::uint32_t operand = list.origins[i];
+    const Chain::Kind& kind = chain.kind_of(operand);
+    if (!is_known(margins[ready.origins[--at]])) return false;
+    const bool is_larger_taken = takes_larger(kind.combine().op);
+    const bool may_be_off = is_larger_taken ? need.may_be_smaller : need.may_be_larger;
+    const std::uint64_t where = may_be_off ? need.where : kEverywhere;
+    TakenAt taken = taken_[at];
+    if (kind.takes_operand_first()) std::swap(taken.first, taken.second);
+    at -= kind.length;
+    if ((where & ~taken.first) == 0) continue;
     operands.push_back(operand);
-    if (first == 0) break;
-    where = first;
+    need = {where & ~taken.second, !is_larger_taken, is_larger_taken};
+    if (need.where == 0) break;
   }
+  if (need.where != 0) operands.push_back(list.origins[0]);
   std::ranges::reverse(operands);
   return true;
 }
 
 template void Pruner<float>::sample(const TapePart&, const Region<float>&);
 template void Pruner<double>::sample(const TapePart&, const Region<double>&);
-template bool Pruner<float>::prune(const Chain&, const TapePart&, const Region<float>&, const Margin*,
+template bool Pruner<float>::prune(const Chain&, const TapePart&, const TapePart&, const Region<float>&, const Margin*,
                                    std::vector<std::uint32_t>&);
-template bool Pruner<double>::prune(const Chain&, const TapePart&, const Region<double>&, const Margin*,
-                                    std::vector<std::uint32_t>&);
+template bool Pruner<double>::prune(const Chain&, const TapePart&, const TapePart&, const Region<double>&,
+                                    const Margin*, std::vector<std::uint32_t>&);
 
 }  // namespace octomarch

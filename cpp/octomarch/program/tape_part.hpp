@@ -19,21 +19,25 @@ struct PackedInstruction {
 };
 static_assert(sizeof(PackedInstruction) == 3);
 
-/// Instructions and registers of a part of a tape, which somebody else holds; constants, images and inputs are the tape's.
+/// Instructions and registers of a part of a tape, which somebody else holds; images and inputs are the tape's, and so are constants,
+/// but for lists, whose are those of a table (chain.hpp).
 struct TapePart {
-  const Instruction* code = nullptr;          ///< in packed parts: one of each pattern; null in parts of chains
+  const Instruction* code = nullptr;          ///< in packed parts: one of each pattern; null in lists
   const PackedInstruction* packed = nullptr;  ///< null in parts that are not
-  /// Where each instruction stands in the tape, ascending; null in packed parts and in final ones. In parts of chains the numbers
-  /// of their operands, see chain.hpp.
+  /// Where each instruction stands in the tape, ascending; null in packed parts and in final ones. In lists the numbers of their
+  /// operands; where these are ready to be run, which margins are whose.
   const std::uint32_t* origins = nullptr;
   const std::uint16_t* results = nullptr;
   std::uint32_t length = 0;
   std::uint16_t result_count = 0;
   std::uint16_t result = 0;  ///< the first of them
   std::uint32_t registers = 0;
+  std::uint32_t operands = 0;  ///< of lists, also when they are ready to be run
 
   /// Of parts that are ready to be run.
   std::span<const Instruction> instructions() const { return {code, length}; }
+  bool is_list() const { return code == nullptr; }
+  std::span<const std::uint32_t> list() const { return {origins, operands}; }
 };
 
 /// A part and its memory.

@@ -65,35 +65,35 @@ class CellChoice {
       const Cell* const child = branch == nullptr ? nullptr : branch->children[octant].load(std::memory_order_acquire);
       if (child != nullptr) {
         __builtin_prefetch(child->branch.load(std::memory_order_relaxed));
-        __builtin_prefetch(child->part.code != nullptr ? static_cast<const void*>(child->part.code)
-                                                       : child->part.origins);
+        __builtin_prefetch(child->part.is_list() ? static_cast<const void*>(child->part.origins) : child->part.code);
         apart += running_cost(hoped_length(*child), counts[octant]);
       } else {
         apart += running_cost(hoped_length(cell), counts[octant]);
-        price += price_of_child(length);
+        price += price_of_child(cell);
       }
     }
     return is_worth(cell, entering_cost(all) + running_cost(length, all) - apart, price);
   }
 
-  /// Cells of a chain that have no more operands than this can be run lane by lane (chain_lanes.hpp).
-  static constexpr std::size_t kMostOperands = 128;
-  bool fits_lanes(const Cell& cell) const { return cell.part.length <= alone_.most_length; }
+  /// Lists of no more operands than this can be run lane by lane (chain_lanes.hpp).
+  std::size_t most_operands() const { return alone_.most_operands; }
+  bool fits_lanes(const Cell& cell) const { return cell.part.is_list() && cell.part.operands <= most_operands(); }
   /// Are a cell's elements so few that each should rather run a part of its own, in a cell as small as is worth it? Where memory has
   /// ended lanes may not find a cell.
   bool go_alone(const Cell& cell, std::size_t count) const {
     return count <= alone_.few && fits_lanes(cell) && !octree_.is_full();
   }
   /// Is a child to be made for one element, which is run lane by lane? For cells that are no leaves.
-  bool is_worth_making_alone(Cell& cell) {
+  bool is_worth_making_alone(Cell& cell, unsigned octant) {
     if (is_cancelled() || octree_.is_full()) return false;
+    if (!cell.part.is_list()) return goes_deeper(cell, only(octant));
     // lanes have no room for the cell; to make a child at once paid even where only a few thousand rays came
     if (!fits_lanes(cell)) return true;
     const double length = cell.part.length;
     const double once = kLaneCost * stay_.evaluations;
     const double stay = kAloneCost + length * (once + alone_.load_cost);
     const double apart = stay_.octants * kAloneCost + hoped_length(cell) * (once + stay_.octants * alone_.load_cost);
-    return is_worth(cell, stay - apart, price_of_child(length));
+    return is_worth(cell, stay - apart, price_of_child(cell));
   }
 
   /// A child; where the octree is full, until the next call of begin() or forget_passing() only.
@@ -123,24 +123,32 @@ class CellChoice {
   /// thirtieth of what it takes, since the smaller cells below it will gain more.
   static constexpr double kCellPrice = 2000.0;
   static constexpr double kPruningPrice = 1.0;
-  /// The part of it for a cell of a chain, which is made in half the time, takes a third of the memory, and is found by rays that
+  /// The part of it for a cell with a list, which is made in half the time, takes a third of the memory, and is found by rays that
   /// gain even by few operands less.
-  static constexpr double kChainPrice = 0.125;
+  static constexpr double kListPrice = 0.125;
   /// What is hoped for from the smaller cells below one, beside its own program, and at the least.
   static constexpr double kHope = 0.25;
   static constexpr double kLeast = 8.0;
 
-  /// What going alone depends on; nothing does where the tape is no chain.
+  /// Rows of lanes, which are to stay in a cache: for so many operands at the most, or for these columns of theirs.
+  static constexpr std::size_t kMostOperands = 128;
+  static constexpr std::size_t kMostRows = 2048;
+
+  /// What going alone depends on; nothing does where a tape has no chain.
   struct Alone {
-    std::size_t most_length = 0;  ///< of parts that can be run lane by lane
-    std::size_t few = 0;          ///< elements that are better alone
-    double load_cost = 0.0;       ///< of an instruction by itself
+    std::size_t most_operands = 0;
+    std::size_t few = 0;     ///< elements that are better alone
+    double load_cost = 0.0;  ///< of an instruction by itself
 
     Alone() = default;
-    explicit Alone(const Chain& chain)
-        : most_length(chain.length(kMostOperands)),
-          few(std::min(kFew / chain.constants(), chain.operands() / kOperandsOfFew)),
-          load_cost(kLoadCost * static_cast<double>(chain.constants()) / static_cast<double>(chain.body().size() + 1)) {
+    explicit Alone(const Chain& chain) {
+      std::size_t length = 0;
+      for (std::size_t i = 0; i < chain.operands(); ++i) {
+        length += chain.kind_of(i).length + 1;
+      }
+      most_operands = std::min(kMostOperands, kMostRows / chain.columns());
+      few = std::min(kFew / chain.columns(), chain.operands() / kOperandsOfFew);
+      load_cost = kLoadCost * static_cast<double>(chain.operands() * chain.columns()) / static_cast<double>(length);
     }
   };
 
@@ -151,9 +159,16 @@ class CellChoice {
     return stay_.evaluations * length * (kInstructionCost + static_cast<double>(batches) * kBatchCost);
   }
 
-  double price_of_child(double length) const {
-    const double price = kCellPrice + kPruningPrice * length;
-    return octree_.chain() == nullptr ? price : kChainPrice * price;
+  static double price_of_child(const Cell& cell) {
+    const double price = kCellPrice + kPruningPrice * cell.part.length;
+    return cell.part.is_list() ? kListPrice * price : price;
+  }
+
+  /// One element, in an octant.
+  static std::array<std::uint32_t, 8> only(unsigned octant) {
+    std::array<std::uint32_t, 8> counts{};
+    counts[octant] = 1;
+    return counts;
   }
 
   static double hoped_length(const Cell& cell) {

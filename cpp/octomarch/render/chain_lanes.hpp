@@ -7,8 +7,9 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <type_traits>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "octomarch/kernels/api.hpp"
 #include "octomarch/render/buffer.hpp"
@@ -27,13 +28,13 @@ class ChainLanes {
  public:
   static constexpr std::size_t kLanes = kernels::kLanes;
 
-  /// The octree must be of a chain. `choice` must outlive this.
+  /// The octree must have a chain. `choice` must outlive this.
   explicit ChainLanes(CellChoice<Real>& choice);
 
   const kernels::ChainView<Real>& chain() const { return chain_; }
   kernels::ChainBlock<Real>& block() { return block_; }
   /// The field at each lane's point, once a kernel has run.
-  const Real* field() const { return block_.registers + chain_.combine.out[0] * kLanes; }
+  const Real* field() const { return block_.registers + chain_.taken_up * kLanes; }
 
   /// Forgets where lanes were: cells that are made for the moment may be gone.
   void forget_cells() {
@@ -41,7 +42,7 @@ class ChainLanes {
   }
   /// Lets lanes that nobody needs take up one operand, the least: those of the others decide how long a block runs.
   void clear(std::uint64_t lanes) {
-    for_each_lane(lanes, [&](std::size_t lane) { block_.operands[lane] = Real(1); });
+    for_each_lane(lanes, [&](std::size_t lane) { set_operands(lane, 1); });
   }
   void place(std::size_t lane, Real x, Real y, Real z) {
     block_.registers[lane] = x;
@@ -95,7 +96,7 @@ class ChainLanes {
       std::uint64_t below = 0;
       for_each_lane(above, [&](std::size_t lane) {
         const Cell& cell = paths_[lane].cell();
-        if (cell.is_leaf || cell.part.length <= kShort) {
+        if (cell.is_leaf || (cell.part.is_list() && cell.part.length <= kShort)) {
           found |= std::uint64_t{is_ready(cell)} << lane;
         } else {
           __builtin_prefetch(cell.branch.load(std::memory_order_relaxed));
@@ -141,7 +142,7 @@ class ChainLanes {
     Cell& cell = path.cell();
     const unsigned octant = path.octant();
     Cell* child = cell.child(octant);
-    if (child == nullptr && choice_.is_worth_making_alone(cell)) {
+    if (child == nullptr && choice_.is_worth_making_alone(cell, octant)) {
       child = &choice_.child(cell, path.place(path.depth + 1), octant);
     }
     return child;
@@ -152,7 +153,7 @@ class ChainLanes {
     return choice_.fits_lanes(cell);
   }
 
-  /// Copies region and constants of a lane's cell into its columns.
+  /// Copies region and operands of a lane's cell.
   void take(std::size_t lane) {
     const Path& path = paths_[lane];
     const TapePart& part = path.cell().part;
@@ -163,40 +164,67 @@ class ChainLanes {
     block_.hi.x[lane] = region.hi[0];
     block_.hi.y[lane] = region.hi[1];
     block_.hi.z[lane] = region.hi[2];
-    const Chain& chain = *choice_.octree().chain();
-    const std::size_t count = chain.operands_of(part);
-    block_.operands[lane] = static_cast<Real>(count);
-    const auto copy = [&](auto constants) {
-      Real* to = block_.constants + lane;
-      for (std::size_t i = 0; i < count; ++i) {
-        const Real* const from = constants_ + chain.first_constant(part.origins[i]);
-        for (std::size_t k = 0; k < constants; ++k, to += kLanes) *to = from[k];
+    set_operands(lane, part.operands);
+    (this->*take_operands_)(lane, part.list());
+  }
+
+  /// How many operands a lane has from now on. They are to be taken.
+  void set_operands(std::size_t lane, std::size_t count) {
+    if (kinds_.size() > 1) {
+      Real* const kinds = block_.columns + (chain_.columns - 1) * kLanes + lane;
+      for (auto j = static_cast<std::size_t>(block_.operands[lane]); j-- > count;) {
+        kinds[j * chain_.columns * kLanes] = kernels::kNoKind<Real>;
       }
-    };
-    if (chain_.constants == 4) {  // balls: a loop without a count is a quarter faster
-      copy(std::integral_constant<std::size_t, 4>{});
-    } else {
-      copy(chain_.constants);
     }
+    block_.operands[lane] = static_cast<Real>(count);
+  }
+
+  using TakeOperands = void (ChainLanes::*)(std::size_t lane, std::span<const std::uint32_t> operands);
+
+  template <std::size_t kColumns>
+  void take_operands(std::size_t lane, std::span<const std::uint32_t> operands) {
+    const Real* const table = choice_.octree().table();
+    const std::size_t columns = kColumns == kManyColumns ? chain_.columns : kColumns;
+    Real* to = block_.columns + lane;
+    for (const std::uint32_t operand : operands) {
+      const Real* const from = table + operand * columns;
+      for (std::size_t k = 0; k < columns; ++k, to += kLanes) *to = from[k];
+    }
+  }
+  static constexpr std::size_t kManyColumns = 0;
+
+  /// A loop without a count is a quarter faster.
+  static TakeOperands take_operands_of(std::size_t columns) {
+    constexpr std::size_t kMostCounted = 20;
+    const auto pick = [&]<std::size_t... kColumns>(std::index_sequence<kColumns...>) {
+      constexpr TakeOperands kAll[] = {&ChainLanes::template take_operands<kColumns>...};
+      return kAll[columns <= kMostCounted ? columns : kManyColumns];
+    };
+    return pick(std::make_index_sequence<kMostCounted + 1>{});
   }
 
   CellChoice<Real>& choice_;
-  const Real* const constants_;  ///< of the tape
+  std::vector<kernels::KindView<Real>> kinds_;
   kernels::ChainView<Real> chain_{};
+  TakeOperands take_operands_;
   Buffer<Real> memory_;
   kernels::ChainBlock<Real> block_{};
   std::array<Path, kLanes> paths_{};
 };
 
 template <class Real>
-ChainLanes<Real>::ChainLanes(CellChoice<Real>& choice)
-    : choice_(choice), constants_(constants_of<Real>(choice.octree().tape())) {
+ChainLanes<Real>::ChainLanes(CellChoice<Real>& choice) : choice_(choice) {
+  const Real* const table = choice.octree().table();
   const Chain& chain = *choice.octree().chain();
-  chain_ = {chain.body().data(), chain.body().size(), chain.constants(), chain.combine(),
-            constants_ + chain.combine().constants};
+  for (const Chain::Kind& kind : chain.kinds()) {
+    kinds_.push_back({kind.instructions.data(), kind.length, kind.combine(), table + kind.combine().constants});
+  }
+  chain_ = {kinds_.data(), kinds_.size(), chain.columns(), chain.taken_up()};
+  take_operands_ = take_operands_of(chain_.columns);
   constexpr std::size_t kRowsOfBlock = 19;
+  const std::size_t rows_of_operands = choice.most_operands() * chain_.columns;
   const std::size_t registers = chain.registers();
-  const std::size_t rows = kRowsOfBlock + registers + CellChoice<Real>::kMostOperands * chain_.constants;
+  const std::size_t rows = kRowsOfBlock + registers + rows_of_operands;
   memory_ = Buffer<Real>(rows * kLanes);
   Real* next = memory_.data();
   const auto take_rows = [&](std::size_t count) { return std::exchange(next, next + count * kLanes); };
@@ -211,7 +239,8 @@ ChainLanes<Real>::ChainLanes(CellChoice<Real>& choice)
   block_.hi = take_vector();
   block_.operands = take_row();
   block_.registers = take_rows(registers);
-  block_.constants = next;
+  block_.columns = next;
+  std::fill_n(next, rows_of_operands * kLanes, kernels::kNoKind<Real>);
   clear(~std::uint64_t{0});
 }
 

@@ -22,7 +22,7 @@ class ChainMarch {
   using Rays = kernels::RayView<Real>;
   using State = kernels::MarchState<Real>;
 
-  /// The octree must be of a chain. `choice` must outlive this.
+  /// The octree must have a chain. `choice` must outlive this.
   explicit ChainMarch(CellChoice<Real>& choice) : lanes_(choice) {}
 
   /// Marches some rays until they have ended, or have taken their steps, or come to a place of which lanes have no part: their

@@ -20,7 +20,9 @@ class LoadedTape {
  public:
   /// `tape` must outlive this. Memory for marches serves for values too. `octree`: whose parts are to be run too, or null.
   LoadedTape(const Tape& tape, TapeUse use, const Octree<Real>* octree = nullptr)
-      : tape_(tape), memory_(rows(octree == nullptr ? tape.registers : octree->registers(), use) * kernels::kLanes) {
+      : tape_(tape),
+        table_(octree == nullptr ? nullptr : octree->table()),
+        memory_(rows(octree == nullptr ? tape.registers : octree->registers(), use) * kernels::kLanes) {
     if (use == TapeUse::kGradients) axes_ = axis_steps(tape.code, tape.registers, tape.result());
     for (const NodePtr& image : tape.images) {
       const auto size = [&image](std::size_t i) { return static_cast<std::uint32_t>(image->parameter(i)); };
@@ -39,7 +41,8 @@ class LoadedTape {
   }
   /// A part of the tape. Looking for coordinates would take longer than what it saves at the few points of a cell.
   kernels::TapeView<Real> view(const TapePart& part) const {
-    return {part.code, part.length, constants_of<Real>(tape_), part.registers, part.result, images_.data(), nullptr};
+    const Real* const constants = part.operands > 0 ? table_ : constants_of<Real>(tape_);
+    return {part.code, part.length, constants, part.registers, part.result, images_.data(), nullptr};
   }
   Real* memory() { return memory_.data(); }
 
@@ -56,6 +59,7 @@ class LoadedTape {
   }
 
   const Tape& tape_;
+  const Real* const table_;
   std::vector<kernels::ImageView> images_;
   std::vector<AxisStep> axes_;  ///< empty but for gradients
   Buffer<Real> memory_;
