@@ -1,6 +1,5 @@
 // Finds the chain of a tape; chain.cpp says what is done with it.
 #include <algorithm>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -188,7 +187,9 @@ class Candidates {
   std::vector<Kind> frequent(std::vector<std::uint8_t>& kind_of) const {
     std::vector<std::size_t> order(all_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
-    std::ranges::stable_sort(order, std::greater<>(), [&](std::size_t i) { return all_[i].count; });
+    std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
+      return all_[a].count != all_[b].count ? all_[a].count > all_[b].count : a < b;
+    });
     std::size_t operands = 0;
     for (const Candidate& candidate : all_) operands += candidate.count;
     kind_of.assign(kMostCandidates + 1, static_cast<std::uint8_t>(Chain::kMostKinds));
