@@ -12,15 +12,15 @@ namespace octomarch::ops {
 /// What an operator's constants are: numbers, or lanes of such, where each lane has its own.
 template <class Constant>
 struct NumberOf {
-  using type = Constant;
+  using Type = Constant;
 };
 template <class Constant>
   requires requires { typename Constant::Real; }
 struct NumberOf<Constant> {
-  using type = typename Constant::Real;
+  using Type = typename Constant::Real;
 };
 template <class Constant>
-using Number = typename NumberOf<Constant>::type;
+using Number = typename NumberOf<Constant>::Type;
 
 /// Three numbers: a point, or the outputs of an operator that moves points.
 template <class X, class Y = X, class Z = X>
