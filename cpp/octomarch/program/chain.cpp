@@ -27,7 +27,7 @@ std::vector<Real> Chain::table(const Tape& tape) const {
   std::vector<Real> table(operands() * columns_ + kinds_.size() * kMostOfCombine);
   Real* next = table.data();
   for (std::size_t operand = 0; operand < operands(); ++operand, next += columns_) {
-    const Real* const own = constants_of<Real>(tape) + tape.code[heads_[operand]].constants;
+    const Real* const own = constants_of<Real>(tape) + first_constants_[operand];
     std::copy_n(own, kind_of(operand).constants, next);
     if (!has_one_kind()) next[columns_ - 1] = static_cast<Real>(kind_of_[operand]);
   }
@@ -65,16 +65,14 @@ template std::vector<Margin> Chain::margins(const Tape& tape, const Region<doubl
 
 bool Chain::find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const {
   operands.clear();
-  auto next = heads_.begin();  // the operand after that of the last instruction
   for (std::size_t i = 0; i < part.length; ++i) {
-    const std::uint32_t at = part.origins[i];
-    next = std::upper_bound(next, heads_.end(), at);  // origins ascend
-    if (next == heads_.begin()) return false;
-    const auto operand = static_cast<std::uint32_t>(next - heads_.begin() - 1);
-    if (at >= end(operand)) return false;
-    add_once(operand, operands);
+    const std::uint32_t owner = owners_[part.origins[i]];
+    if (owner == kOther) return false;
+    if (owner != kNobody) add_once(owner, operands);
   }
-  return true;
+  // most are in order: only where an operand that is made before others is taken up after them they are not
+  if (!std::ranges::is_sorted(operands)) std::ranges::sort(operands);
+  return !operands.empty();
 }
 
 void Chain::find_operands_of_list(const TapePart& left, std::vector<std::uint32_t>& operands) {

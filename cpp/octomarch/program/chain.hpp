@@ -7,6 +7,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <vector>
@@ -49,7 +50,7 @@ class Chain {
   static std::optional<Chain> of(const Tape& tape);
 
   std::span<const Kind> kinds() const { return kinds_; }
-  std::size_t operands() const { return heads_.size(); }
+  std::size_t operands() const { return kind_of_.size(); }
   const Kind& kind_of(std::size_t operand) const {
     return kinds_[has_one_kind() ? 0 : kind_of_[operand]];  // without a look at memory where there is nothing to see
   }
@@ -71,7 +72,7 @@ class Chain {
   std::vector<Margin> margins(const Tape& tape, const Region<Real>& region) const;
 
   /// The operands that a part of the tape has something of, ascending; false where it has something else too. All of them gives the
-  /// part's bits where it gives the tape's, since what an operand is without is what does not matter. O(part log operands).
+  /// part's bits where it gives the tape's, since what an operand is without is what does not matter. Not for whole chains. O(part).
   bool find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const;
   /// The same for what is left of a list that was ready to be run. O(part).
   static void find_operands_of_list(const TapePart& left, std::vector<std::uint32_t>& operands);
@@ -79,24 +80,24 @@ class Chain {
   TapePart part_of(std::span<const std::uint32_t> operands) const;
   /// The instructions of a list, and which margins are theirs, both as long as it. O(part).
   void write_code(const TapePart& list, Instruction* code, std::uint32_t* origins) const;
-  /// Bytes of what is kept of each operand.
-  std::size_t bytes() const { return operands() * (sizeof(std::uint32_t) + 1); }
+  /// Bytes of what is kept of operands and instructions.
+  std::size_t bytes() const {
+    return operands() * (sizeof(std::uint32_t) + 1) + owners_.size() * sizeof(std::uint32_t);
+  }
 
  private:
   Chain() = default;
 
   void name_taken_up(std::uint16_t taken_up);
-  /// One past an operand and what takes it up, in the tape.
-  std::size_t end(std::size_t operand) const {
-    const bool is_taken_up = operand > 0 || !has_first_;
-    return heads_[operand] + kind_of(operand).length + (is_taken_up ? 1 : 0);
-  }
+  /// Owners of instructions that are no operand's: of those that choose between operands, and of others.
+  static constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max() - 1;
+  static constexpr std::uint32_t kOther = kNobody + 1;
 
   std::vector<Kind> kinds_;
   // by operand:
-  std::vector<std::uint32_t> heads_;  ///< where it begins in the tape, ascending
+  std::vector<std::uint32_t> first_constants_;  ///< in the tape's; the others follow
   std::vector<std::uint8_t> kind_of_;
-  bool has_first_ = false;  ///< is the first one taken up by nothing, as others are added to it?
+  std::vector<std::uint32_t> owners_;  ///< by instruction of the tape: its operand; empty where there is nothing else
   std::size_t columns_ = 0;
   std::uint16_t taken_up_ = 0;
   bool is_whole_ = false;

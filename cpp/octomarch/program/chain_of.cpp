@@ -29,14 +29,17 @@ constexpr bool combines(Opcode op) { return chooses_operand(op) && !chooses_attr
 /// Which instructions made what each instruction of a tape reads.
 class Sources {
  public:
-  explicit Sources(const Tape& tape) : of_(tape.code.size()), weights_(tape.code.size(), 1.0) {
+  explicit Sources(const Tape& tape)
+      : of_(tape.code.size()), weights_(tape.code.size(), 1.0), reads_(tape.code.size(), 0) {
     std::vector<std::uint32_t> maker(tape.registers, kNone);
     for (std::uint32_t i = 0; i < tape.code.size(); ++i) {
       const Instruction& instruction = tape.code[i];
       const OpcodeInfo& shape = info(instruction.op);
       for (std::size_t k = 0; k < shape.inputs; ++k) {
-        of_[i][k] = maker[instruction.in[k]];
-        weights_[i] += weight(of_[i][k]);
+        const std::uint32_t source = of_[i][k] = maker[instruction.in[k]];
+        if (source == kNone) continue;
+        weights_[i] += weights_[source];
+        ++reads_[source];
       }
       for (std::size_t k = 0; k < shape.outputs; ++k) maker[instruction.out[k]] = i;
     }
@@ -46,11 +49,14 @@ class Sources {
   std::uint32_t of(std::uint32_t instruction, std::size_t input) const { return of_[instruction][input]; }
   /// Instructions that a value takes, if no two share any.
   double weight(std::uint32_t instruction) const { return instruction == kNone ? 0.0 : weights_[instruction]; }
+  /// Is what an instruction made read once, and so by nobody but whoever asks?
+  bool is_read_once(std::uint32_t instruction) const { return instruction != kNone && reads_[instruction] == 1; }
   std::uint32_t result() const { return result_; }
 
  private:
   std::vector<std::array<std::uint32_t, kMaxInputs>> of_;
   std::vector<double> weights_;
+  std::vector<std::uint32_t> reads_;
   std::uint32_t result_;
 };
 
@@ -62,15 +68,17 @@ struct Link {
   bool is_operand_first;
 };
 
-/// Which of the two that a link chooses between is what has been taken up? That which was made before, as it is where both are
-/// short, unless the other is much longer.
-bool is_added_to(const Sources& sources, std::uint32_t a, std::uint32_t b) {
-  constexpr double kMuchLonger = 2.0;
-  if (a == kNone || b == kNone) return b == kNone;
-  const bool is_before = a < b;
-  const double before = sources.weight(is_before ? a : b);
-  const double after = sources.weight(is_before ? b : a);
-  return is_before == (after <= kMuchLonger * before);
+bool unites(const Tape& tape, std::uint32_t at) { return at != kNone && tape.code[at].op == Opcode::kUnion; }
+
+/// Of the two that a link chooses between, is what the second made what has been taken up? So it is where that is much longer than an
+/// operand more would be. What a union has united can be added to the other one by one, if the link unites too.
+bool is_second_taken_up(const Tape& tape, const Sources& sources, std::uint32_t at) {
+  const std::uint32_t first = sources.of(at, 0);
+  const std::uint32_t second = sources.of(at, 1);
+  if (subtracts(tape.code[at].op) || second == kNone) return false;
+  if (unites(tape, at) && unites(tape, second)) return false;
+  const bool adds_first = unites(tape, at) && unites(tape, first);
+  return sources.weight(second) > (adds_first ? 0.0 : sources.weight(first)) + Chain::kLongest;
 }
 
 /// The links from the operand to which most of a tape is added to the result.
@@ -79,7 +87,7 @@ std::vector<Link> links_of(const Tape& tape, const Sources& sources) {
   for (std::uint32_t at = sources.result(); at != kNone && chooses_operand(tape.code[at].op);) {
     const std::uint32_t first = sources.of(at, 0);
     const std::uint32_t second = sources.of(at, 1);
-    const bool is_operand_first = !subtracts(tape.code[at].op) && is_added_to(sources, second, first);
+    const bool is_operand_first = is_second_taken_up(tape, sources, at);
     links.push_back({at, is_operand_first ? second : first, is_operand_first ? first : second, is_operand_first});
     at = links.back().taken_up;
   }
@@ -96,8 +104,7 @@ class KindReader {
   /// operand alone, whatever they are in the tape.
   std::optional<Kind> read(std::uint32_t last, const Link& link) const {
     const std::uint32_t length = combines(tape_.code[link.at].op) ? length_of(last) : 0;
-    const bool reads_taken_up = last != link.taken_up && last - link.taken_up < length;
-    if (length == 0 || reads_taken_up) return std::nullopt;
+    if (length == 0) return std::nullopt;
     Kind kind;
     kind.length = length;
     read_body(last + 1 - length, kind);
@@ -109,7 +116,7 @@ class KindReader {
   /// How many instructions make a value, if they follow each other, few as they are, read nothing but coordinates and each
   /// other, and can be run by lanes; else 0.
   std::uint32_t length_of(std::uint32_t last) const {
-    if (last == kNone || info(tape_.code[last].op).outputs != 1) return 0;
+    if (!sources_.is_read_once(last) || info(tape_.code[last].op).outputs != 1) return 0;
     std::uint32_t read = 1;  // bit = instructions before the last
     std::uint32_t length = 0;
     for (; read >> length != 0; ++length) {
@@ -218,35 +225,87 @@ class Candidates {
 
 struct Found {
   std::uint32_t head;
+  std::uint32_t length;
+  std::size_t link;
   std::size_t candidate;
-  bool is_first;  ///< taken up by no link, as others are added to it
 };
 
-/// Operands by where they begin.
-std::vector<Found> read_operands(const Tape& tape, Candidates& candidates) {
-  const Sources sources(tape);
-  const std::vector<Link> links = links_of(tape, sources);
-  const KindReader reader(tape, sources);
-  std::vector<Found> found;
-  const auto made = [&](std::uint32_t last, const Kind& kind, bool is_first) {
-    return Found{last + 1 - static_cast<std::uint32_t>(kind.length), candidates.add(kind), is_first};
-  };
-  for (const Link& link : links) {
-    if (link.operand == kNone || link.operand + 1 != link.at) continue;  // what is made elsewhere too
-    if (const std::optional<Kind> kind = reader.read(link.operand, link))
-      found.push_back(made(link.operand, *kind, false));
+/// Finds the operands of a tape.
+class OperandFinder {
+ public:
+  explicit OperandFinder(const Tape& tape)
+      : tape_(tape), sources_(tape), links_(links_of(tape, sources_)), reader_(tape, sources_) {
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (const std::optional<Kind> kind = reader_.read(links_[i].operand, links_[i])) {
+        add(links_[i].operand, *kind, i);
+        joins_.push_back(links_[i].at);
+      } else if (unites(tape, links_[i].at) && unites(tape, links_[i].operand)) {
+        read_union(i);
+      }
+    }
+    read_first();
   }
-  // Of the first it does not matter what would take it up. Where operands are made by links of their own it may be so too.
-  for (std::size_t i = std::min(links.size(), Chain::kLongest); i-- > 0;) {
-    const std::optional<Kind> kind = reader.read(links[i].taken_up, links[i]);
-    const Kind* const like = kind ? candidates.like(*kind) : nullptr;
-    if (!kind || (i > 0 && like == nullptr)) continue;
-    std::erase_if(found, [&](const Found& operand) { return operand.head <= links[i].taken_up; });
-    found.insert(found.begin(), made(links[i].taken_up, like == nullptr ? *kind : Kind(*like), true));
-    break;
+
+  /// In the order in which they are taken up.
+  const std::vector<Found>& found() const { return found_; }
+  /// Instructions that choose between operands and what has been taken up.
+  const std::vector<std::uint32_t>& joins() const { return joins_; }
+  const Candidates& candidates() const { return candidates_; }
+
+ private:
+  void add(std::uint32_t last, const Kind& kind, std::size_t link) {
+    const auto length = static_cast<std::uint32_t>(kind.length);
+    found_.push_back({last + 1 - length, length, link, candidates_.add(kind)});
   }
-  return found;
-}
+
+  /// Where a union is added by a union, what it unites may as well be added one by one.
+  void read_union(std::size_t index) {
+    const Link& link = links_[index];
+    std::vector<std::uint32_t> operands;
+    std::vector<std::uint32_t> unions;
+    std::vector<std::uint32_t> to_see = {link.operand};
+    while (!to_see.empty()) {
+      const std::uint32_t at = to_see.back();
+      to_see.pop_back();
+      if (!sources_.is_read_once(at)) return;  // it belongs to something else too
+      if (!unites(tape_, at)) {
+        operands.push_back(at);
+        continue;
+      }
+      unions.push_back(at);
+      to_see.insert(to_see.end(), {sources_.of(at, 0), sources_.of(at, 1)});
+    }
+    std::ranges::sort(operands);
+    for (const std::uint32_t last : operands) {
+      const std::optional<Kind> kind = reader_.read(last, {link.at, link.taken_up, last, false});
+      if (kind) add(last, *kind, index);
+    }
+    joins_.insert(joins_.end(), unions.begin(), unions.end());
+    joins_.push_back(link.at);
+  }
+
+  /// Of the first it does not matter what would take it up. Where operands are made by links of their own it may be so too.
+  void read_first() {
+    for (std::size_t i = std::min(links_.size(), Chain::kLongest); i-- > 0;) {
+      const std::uint32_t last = links_[i].taken_up;
+      const std::optional<Kind> kind = reader_.read(last, links_[i]);
+      const Kind* const like = kind ? candidates_.like(*kind) : nullptr;
+      if (!kind || (i > 0 && like == nullptr)) continue;
+      std::erase_if(found_, [i](const Found& operand) { return operand.link < i; });
+      add(last, like == nullptr ? *kind : Kind(*like), i);
+      std::ranges::rotate(found_, found_.end() - 1);
+      break;
+    }
+  }
+
+  const Tape& tape_;
+  const Sources sources_;
+  const std::vector<Link> links_;
+  const KindReader reader_;
+  std::vector<Found> found_;
+  std::vector<std::uint32_t> joins_;
+  Candidates candidates_;
+};
 
 /// A register that no kind has.
 std::uint16_t register_above(const std::vector<Kind>& kinds) {
@@ -263,22 +322,25 @@ std::uint16_t register_above(const std::vector<Kind>& kinds) {
 
 std::optional<Chain> Chain::of(const Tape& tape) {
   if (tape.inputs != kCoordinates || tape.results.size() != 1) return std::nullopt;
+  const OperandFinder finder(tape);
   Chain chain;
-  Candidates candidates;
   std::vector<std::uint8_t> kind_of;
-  const std::vector<Found> found = read_operands(tape, candidates);
-  chain.kinds_ = candidates.frequent(kind_of);
+  chain.kinds_ = finder.candidates().frequent(kind_of);
+  chain.owners_.assign(tape.code.size(), kOther);
+  for (const std::uint32_t join : finder.joins()) chain.owners_[join] = kNobody;
   std::size_t length = 0;
-  for (const auto& [head, candidate, is_first] : found) {
-    if (kind_of[candidate] == kMostKinds) continue;
-    chain.has_first_ = chain.has_first_ || is_first;
-    chain.heads_.push_back(head);
-    chain.kind_of_.push_back(kind_of[candidate]);
-    length += chain.kinds_[kind_of[candidate]].length + 1;
+  for (const Found& operand : finder.found()) {
+    if (kind_of[operand.candidate] == kMostKinds) continue;
+    const auto number = static_cast<std::uint32_t>(chain.operands());
+    std::fill_n(chain.owners_.begin() + operand.head, operand.length, number);
+    chain.first_constants_.push_back(tape.code[operand.head].constants);
+    chain.kind_of_.push_back(kind_of[operand.candidate]);
+    length += operand.length + 1;
   }
   if (2 * length <= tape.code.size()) return std::nullopt;
-  chain.is_whole_ = length == tape.code.size() + 1;  // the first is not taken up
-  chain.columns_ = std::ranges::max(chain.kinds_, {}, &Kind::constants).constants + (chain.kinds_.size() > 1 ? 1 : 0);
+  chain.is_whole_ = std::ranges::find(chain.owners_, kOther) == chain.owners_.end();
+  if (chain.is_whole_) chain.owners_ = {};
+  chain.columns_ = std::ranges::max(chain.kinds_, {}, &Kind::constants).constants + (chain.has_one_kind() ? 0 : 1);
   chain.name_taken_up(register_above(chain.kinds_));
   return chain;
 }
