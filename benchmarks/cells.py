@@ -89,6 +89,48 @@ def dense(n: int) -> Case:
     return Case(f"dense, {n:,} balls", build, om.Camera(eye, (0, 0, 0), fov=FOV), max_distance=max(100.0, 4 * edge))
 
 
+def turned_copies(shape: om.Shape, n: int, name: str) -> Case:
+    """Return a case like scene C, its balls being copies of a shape, turned anyhow."""
+    recipe = balls(n)
+    matrices = np.tile(np.eye(4), (n, 1, 1))
+    matrices[:, :3, :3] = np.linalg.qr(np.random.default_rng(n).normal(size=(n, 3, 3))).Q
+
+    def build(offset: float) -> om.Shape:
+        matrices[:, :3, 3] = recipe.centers + np.float32(offset)
+        return shape.instances(matrices)
+
+    return replace(sparse(n), name=f"{n:,} {name}", build=build)
+
+
+def pin() -> om.Shape:
+    return om.cylinder(0.1, 1.0) | om.sphere(0.3, center=(0, 0.5, 0))
+
+
+def chair() -> om.Shape:
+    legs = (om.box((0.08, 0.5, 0.08), center=(x, -0.25, z)) for x in (-0.25, 0.25) for z in (-0.25, 0.25))
+    return om.union(om.box((0.6, 0.08, 0.6)), om.box((0.6, 0.6, 0.08), center=(0, 0.3, 0.26)), *legs)
+
+
+def sticks(n: int) -> Case:
+    """Half of scene C's balls, and sticks for the others."""
+    recipe = balls(n)
+    to = recipe.centers + np.random.default_rng(n).normal(scale=0.4, size=(n, 3))
+    half = n // 2
+
+    def build(offset: float) -> om.Shape:
+        centers, ends = recipe.centers + np.float32(offset), to + np.float32(offset)
+        return om.spheres(centers[:half], recipe.radii[:half], smooth=SMOOTH) | om.capsules(
+            centers[half:], ends[half:], np.full(half, 0.1)
+        )
+
+    return replace(sparse(n), name=f"{half:,} balls and as many sticks", build=build)
+
+
+def odd_one(n: int) -> Case:
+    case = sparse(n)
+    return replace(case, name=f"{n:,} balls and a box", build=lambda offset: case.build(offset) | om.box(0.5))
+
+
 SUN = (om.DirectionalLight((-1, -2, -1)),)
 NEAR = om.Camera((4, 3, 5), (0, 0, 0))
 
@@ -116,6 +158,10 @@ def cases(largest: int) -> list[Case]:
         *(sparse(n) for n in counts),
         *(near(n) for n in counts if n > 200),
         *(dense(n) for n in counts),
+        odd_one(20_000),
+        sticks(20_000),
+        turned_copies(pin(), 20_000, "pins, turned"),
+        turned_copies(chair(), 5000, "chairs, turned"),
         Case("300 turned boxes on a floor, shaded", turned_boxes, NEAR, ("color",), SUN),
         Case("10 stars carved into a drum, shaded", stars, NEAR, ("color",), SUN),
     ]

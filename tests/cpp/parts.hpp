@@ -136,7 +136,7 @@ class Runner final : public Sampler<Real> {
  private:
   static const kernels::KernelTable<Real>& table() { return kernels::find_isa("scalar").table<Real>(); }
   kernels::TapeView<Real> view(const TapePart& part, std::size_t length) const {
-    const Real* const constants = part.operands > 0 ? table_.data() : constants_of<Real>(tape_);
+    const Real* const constants = part.has_table() ? table_.data() : constants_of<Real>(tape_);
     return {part.code, length, constants, part.registers, part.result, images_.data()};
   }
 

@@ -1,6 +1,7 @@
 // program/chain.hpp: which tapes are chains, and that their parts, as lists of operands, are the parts.
 #include <algorithm>
 #include <functional>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -43,6 +44,11 @@ NodePtr pin(Random& random) {
 }
 NodePtr bead(Random& random) {
   return combine(NodeKind::kDifference, {sphere(size(random)), translate(sphere(0.1), {0.1, 0, 0})}, 0.0);
+}
+/// Unites in two ways.
+NodePtr knob(Random& random) {
+  const NodePtr blended = combine(NodeKind::kUnion, {ball(random), box({0.5, 0.1, 0.1})}, 0.1);
+  return combine(NodeKind::kUnion, {blended, stick(random)}, 0.0);
 }
 NodePtr wavy(Random& random) {
   return displace(ball(random), noise(coordinate(0), coordinate(1), coordinate(2), 1), 1.0);
@@ -91,6 +97,7 @@ std::vector<Made> chains() {
       {"turned pins", many([](Random& r) { return turned(pin(r), r); }, 0.1), {4}},
       {"pins among balls", many([](Random& r) { return any_of({ball(r), turned(pin(r), r)}, r); }, 0.1), {1, 4}},
       {"beads", many(bead, 0.1), {3}},
+      {"knobs", many(knob, 0.1), {5}},
       {"needier shapes second",
        many([i = 0](Random& r) mutable { return i++ % 2 == 0 ? bead(r) : turned(pin(r), r); }, 0.0),
        {3, 4}},
@@ -120,6 +127,22 @@ std::vector<Made> chains() {
 
 NodePtr with(NodePtr shape) { return combine(NodeKind::kUnion, {many(ball, 0.1), std::move(shape)}, 0.0); }
 
+/// Beads, of which one's hole is filled: the ball that is taken from it is also added.
+NodePtr filled() {
+  Random random(27);  // NOLINT(bugprone-random-generator-seed): likewise
+  std::vector<NodePtr> shapes;
+  for (int i = 0; i < kCount; ++i) {
+    const Vec3 place{uniform(random, -2, 2), uniform(random, -2, 2), uniform(random, -2, 2)};
+    const NodePtr hole = translate(sphere(0.2), place + Vec3{0.25, 0, 0});
+    shapes.push_back(combine(NodeKind::kDifference, {translate(sphere(0.3), place), hole}, 0.0));
+    if (i == kCount - 1) shapes.push_back(hole);
+  }
+  return combine(NodeKind::kUnion, std::move(shapes), 0.0);
+}
+
+/// A half-space whose field is no instruction, just a coordinate.
+NodePtr half_space() { return field(coordinate(0), 1.0, {}); }
+
 /// Chains with something else beside them.
 std::vector<Made> chains_and_more() {
   Random random(24);  // NOLINT(bugprone-random-generator-seed): likewise
@@ -128,6 +151,15 @@ std::vector<Made> chains_and_more() {
       {"a box more", with(translate(box({0.5, 0.5, 0.5}), {1, 1, 1})), {1}},
       {"a turned box before", combine(NodeKind::kUnion, {turned(box({1, 1, 1}), random), many(ball, 0.1)}, 0.0), {1}},
       {"a field more", with(wavy(random)), {1}},
+      {"beads and what fills one", filled(), {3}},
+      {"a coordinate more", with(half_space()), {1}},
+      {"a coordinate before", combine(NodeKind::kUnion, {half_space(), many(ball, 0.0)}, 0.0), {1}},
+      {"a coordinate before blended balls",
+       combine(NodeKind::kUnion, {translate(half_space(), {0.1, 0, 0}), balls}, 0.0),
+       {1}},
+      {"the smaller of two coordinates more",
+       with(field(expression(NodeKind::kMinimum, {coordinate(0), coordinate(1)}), 1.0, {})),
+       {1}},
       {"a wavy ball among many", many([i = 0](Random& r) mutable { return ++i == 20 ? wavy(r) : ball(r); }, 0.1), {1}},
       {"less a box", combine(NodeKind::kDifference, {many(ball, 0.1), box({1, 1, 1})}, 0.0), {1}},
       {"smoothly less two balls",
@@ -136,12 +168,6 @@ std::vector<Made> chains_and_more() {
       {"two unions", combine(NodeKind::kUnion, {balls, translate(many(ball, 0.2), {3, 0, 0})}, 0.0), {1}},
       {"a ball that is met twice", combine(NodeKind::kUnion, {balls, shell(balls->children()[3], 0.01)}, 0.0), {1}},
   };
-}
-
-std::vector<Made> all() {
-  std::vector<Made> made = chains();
-  for (Made& more : chains_and_more()) made.push_back(std::move(more));
-  return made;
 }
 
 std::vector<std::size_t> bodies_of(const Chain& chain) {
@@ -209,7 +235,7 @@ Region<Real> small_region(Random& random) {
 
 TEST_CASE_TEMPLATE("a part as a list of operands has the bits of the part", Real, float, double) {
   Random random(22);  // NOLINT(bugprone-random-generator-seed): likewise
-  for (const Made& made : all()) {
+  for (const Made& made : chains_and_more()) {
     CAPTURE(made.name);
     const auto program = compile(made.shape);
     const Tape& tape = program->distance();
@@ -217,13 +243,16 @@ TEST_CASE_TEMPLATE("a part as a list of operands has the bits of the part", Real
     REQUIRE(chain.has_value());
     const HeldPart whole = whole_of(tape);
     Runner<Real> runner(tape);
-    Pruner<Real> pruner(tape);
+    const std::vector<Margin> margins = margins_of(tape, Region<Real>{{-3, -3, -3}, {3, 3, 3}});
+    Pruner<Real> by_ranges(tape);
+    Pruner<Real> by_samples(tape, &runner);
     Unpacker unpacker({}, &*chain);
     std::vector<std::uint32_t> operands;
     std::size_t lists = 0;
-    for (int i = 0; i < 50; ++i) {
+    for (int i = 0; i < 100; ++i) {
       const Region<Real> region = small_region<Real>(random);
-      const std::optional<TapePart> part = pruner.prune(whole.view(), region, nullptr);
+      const std::optional<TapePart> part =
+          (i % 2 == 0 ? by_ranges : by_samples).prune(whole.view(), region, margins.data());
       if (!part || !chain->find_operands(*part, operands)) continue;
       CHECK(std::ranges::is_sorted(operands));
       const TapePart list = chain->part_of(operands);
@@ -240,7 +269,7 @@ TEST_CASE_TEMPLATE("a part as a list of operands has the bits of the part", Real
 
 TEST_CASE_TEMPLATE("what pruning leaves of a list has the bits of the list", Real, float, double) {
   Random random(23);  // NOLINT(bugprone-random-generator-seed): likewise
-  for (const Made& made : all()) {
+  for (const Made& made : chains()) {
     CAPTURE(made.name);
     const auto program = compile(made.shape);
     const Tape& tape = program->distance();
@@ -254,6 +283,8 @@ TEST_CASE_TEMPLATE("what pruning leaves of a list has the bits of the list", Rea
     std::iota(operands.begin(), operands.end(), 0U);
     const TapePart list = chain->part_of(operands);
     const std::vector<Margin> margins = chain->margins(tape, Region<Real>{{-3, -3, -3}, {3, 3, 3}});
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    const std::vector<Margin> none(margins.size(), Margin{kInfinity, kInfinity});
     const TapePart ready = unpacker.ready(list);
     std::vector<std::uint32_t> left;
     std::size_t dropped = 0;
@@ -267,11 +298,13 @@ TEST_CASE_TEMPLATE("what pruning leaves of a list has the bits of the list", Rea
       Unpacker other({}, &*chain);
       CHECK(runner.results(other.ready(chain->part_of(left)), points) == expected);
       // ranges tell too, and what they cut inside of operands comes back
-      if (const std::optional<TapePart> part = pruner.prune(ready, region, margins.data())) {
-        Chain::find_operands_of_list(*part, left);
+      for (const Margin* known : {margins.data(), none.data()}) {
+        const std::optional<TapePart> part = pruner.prune(ready, region, known);
+        if (!part || !Chain::find_operands_of_list(*part, left)) continue;
         CHECK(std::ranges::includes(operands, left));
         CHECK(runner.results(other.ready(chain->part_of(left)), points) == expected);
       }
+      CHECK_FALSE(pruner.prune(*chain, list, ready, region, none.data(), left));
     }
     CHECK(dropped > 0);
   }

@@ -38,7 +38,8 @@ template <class C>
 struct Octahedron {
   C radius, zero, half, third;
   template <class Real>
-  explicit Octahedron(const Real* p) : radius(p[0]), zero(Real(0)), half(Real(0.5)), third(Number<Real>(0.57735026918962576)) {}
+  explicit Octahedron(const Real* p)
+      : radius(p[0]), zero(Real(0)), half(Real(0.5)), third(Number<Real>(0.57735026918962576)) {}
 
   template <class T>
   T operator()(const T& x, const T& y, const T& z) const {

@@ -1,6 +1,8 @@
 #include "octomarch/program/chain.hpp"
 
 #include <algorithm>
+#include <array>
+#include <limits>
 #include <numeric>
 #include <type_traits>
 
@@ -13,6 +15,26 @@ namespace {
 void add_once(std::uint32_t operand, std::vector<std::uint32_t>& operands) {
   if (operands.empty() || operands.back() != operand) operands.push_back(operand);
 }
+
+/// Goes through a part's code and says which instructions read coordinates that are still in their registers.
+class CoordinateReads {
+ public:
+  bool step(const Instruction& instruction) {
+    const OpcodeInfo& shape = info(instruction.op);
+    bool reads = false;
+    for (std::size_t k = 0; k < shape.inputs; ++k) reads = reads || is_coordinate(instruction.in[k]);
+    for (std::size_t k = 0; k < shape.outputs; ++k) {
+      if (instruction.out[k] < kCoordinates) is_gone_[instruction.out[k]] = true;
+    }
+    return reads;
+  }
+
+ private:
+  static constexpr std::size_t kCoordinates = 3;
+  bool is_coordinate(std::uint16_t taken) const { return taken < kCoordinates && !is_gone_[taken]; }
+
+  std::array<bool, kCoordinates> is_gone_{};
+};
 
 }  // namespace
 
@@ -56,18 +78,25 @@ std::vector<Margin> Chain::margins(const Tape& tape, const Region<Real>& region)
   of_list.registers = registers();
   of_list.results = {taken_up_};
   const std::vector<Margin> by_instruction = margins_of(of_list, region);
-  std::vector<Margin> margins(2 * operands());
-  for (std::size_t i = 0; i < list.length; ++i) margins[origins[i]] = by_instruction[i];
+  constexpr float kInfinity = std::numeric_limits<float>::infinity();
+  std::vector<Margin> margins(2 * operands(), Margin{kInfinity, kInfinity});
+  for (std::size_t i = 0; i < list.length; ++i) {
+    // those of a body have one for all, and so none: operands are taken or left whole
+    if (origins[i] % 2 == 1) margins[origins[i]] = by_instruction[i];
+  }
   return margins;
 }
 template std::vector<Margin> Chain::margins(const Tape& tape, const Region<float>& region) const;
 template std::vector<Margin> Chain::margins(const Tape& tape, const Region<double>& region) const;
 
+/// Where an instruction that chooses reads a coordinate, that is what is left of something that has no instruction any more.
 bool Chain::find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const {
   operands.clear();
+  CoordinateReads reads;
   for (std::size_t i = 0; i < part.length; ++i) {
+    const bool reads_coordinate = reads.step(part.code[i]);
     const std::uint32_t owner = owners_[part.origins[i]];
-    if (owner == kOther) return false;
+    if (owner == kOther || (owner == kNobody && reads_coordinate)) return false;
     if (owner != kNobody) add_once(owner, operands);
   }
   // most are in order: only where an operand that is made before others is taken up after them they are not
@@ -75,9 +104,15 @@ bool Chain::find_operands(const TapePart& part, std::vector<std::uint32_t>& oper
   return !operands.empty();
 }
 
-void Chain::find_operands_of_list(const TapePart& left, std::vector<std::uint32_t>& operands) {
+bool Chain::find_operands_of_list(const TapePart& left, std::vector<std::uint32_t>& operands) {
   operands.clear();
-  for (std::size_t i = 0; i < left.length; ++i) add_once(left.origins[i] / 2, operands);
+  CoordinateReads reads;
+  for (std::size_t i = 0; i < left.length; ++i) {
+    const bool chooses = left.origins[i] % 2 == 1;
+    if (reads.step(left.code[i]) && chooses) return false;
+    if (!chooses) add_once(left.origins[i] / 2, operands);
+  }
+  return !operands.empty();
 }
 
 TapePart Chain::part_of(std::span<const std::uint32_t> operands) const {

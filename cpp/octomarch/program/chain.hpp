@@ -51,6 +51,8 @@ class Chain {
 
   std::span<const Kind> kinds() const { return kinds_; }
   std::size_t operands() const { return kind_of_.size(); }
+  /// Instructions of all.
+  std::size_t length() const { return length_; }
   const Kind& kind_of(std::size_t operand) const {
     return kinds_[has_one_kind() ? 0 : kind_of_[operand]];  // without a look at memory where there is nothing to see
   }
@@ -74,8 +76,8 @@ class Chain {
   /// The operands that a part of the tape has something of, ascending; false where it has something else too. All of them gives the
   /// part's bits where it gives the tape's, since what an operand is without is what does not matter. Not for whole chains. O(part).
   bool find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const;
-  /// The same for what is left of a list that was ready to be run. O(part).
-  static void find_operands_of_list(const TapePart& left, std::vector<std::uint32_t>& operands);
+  /// The same for what ranges leave of a list that was ready to be run. O(part).
+  static bool find_operands_of_list(const TapePart& left, std::vector<std::uint32_t>& operands);
   /// The part of such operands, which stay somebody else's: a list. O(operands).
   TapePart part_of(std::span<const std::uint32_t> operands) const;
   /// The instructions of a list, and which margins are theirs, both as long as it. O(part).
@@ -98,6 +100,7 @@ class Chain {
   std::vector<std::uint32_t> first_constants_;  ///< in the tape's; the others follow
   std::vector<std::uint8_t> kind_of_;
   std::vector<std::uint32_t> owners_;  ///< by instruction of the tape: its operand; empty where there is nothing else
+  std::size_t length_ = 0;
   std::size_t columns_ = 0;
   std::uint16_t taken_up_ = 0;
   bool is_whole_ = false;

@@ -23,8 +23,9 @@ constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// In kinds, the register of what has been taken up, until it is known which ones they have.
 constexpr std::uint16_t kTakenUp = std::numeric_limits<std::uint16_t>::max();
 
+constexpr bool chooses_distance(Opcode op) { return chooses_operand(op) && !chooses_attribute(op); }
 /// Can it take operands up? Where it subtracts, a part may need the complement of an operand.
-constexpr bool combines(Opcode op) { return chooses_operand(op) && !chooses_attribute(op) && !subtracts(op); }
+constexpr bool combines(Opcode op) { return chooses_distance(op) && !subtracts(op); }
 
 /// Which instructions made what each instruction of a tape reads.
 class Sources {
@@ -49,8 +50,8 @@ class Sources {
   std::uint32_t of(std::uint32_t instruction, std::size_t input) const { return of_[instruction][input]; }
   /// Instructions that a value takes, if no two share any.
   double weight(std::uint32_t instruction) const { return instruction == kNone ? 0.0 : weights_[instruction]; }
-  /// Is what an instruction made read once, and so by nobody but whoever asks?
-  bool is_read_once(std::uint32_t instruction) const { return instruction != kNone && reads_[instruction] == 1; }
+  /// How often what an instruction made is read.
+  std::uint32_t reads(std::uint32_t instruction) const { return reads_[instruction]; }
   std::uint32_t result() const { return result_; }
 
  private:
@@ -76,6 +77,7 @@ bool is_second_taken_up(const Tape& tape, const Sources& sources, std::uint32_t 
   const std::uint32_t first = sources.of(at, 0);
   const std::uint32_t second = sources.of(at, 1);
   if (subtracts(tape.code[at].op) || second == kNone) return false;
+  if (first == kNone) return true;
   if (unites(tape, at) && unites(tape, second)) return false;
   const bool adds_first = unites(tape, at) && unites(tape, first);
   return sources.weight(second) > (adds_first ? 0.0 : sources.weight(first)) + Chain::kLongest;
@@ -84,7 +86,7 @@ bool is_second_taken_up(const Tape& tape, const Sources& sources, std::uint32_t 
 /// The links from the operand to which most of a tape is added to the result.
 std::vector<Link> links_of(const Tape& tape, const Sources& sources) {
   std::vector<Link> links;
-  for (std::uint32_t at = sources.result(); at != kNone && chooses_operand(tape.code[at].op);) {
+  for (std::uint32_t at = sources.result(); at != kNone && chooses_distance(tape.code[at].op);) {
     const std::uint32_t first = sources.of(at, 0);
     const std::uint32_t second = sources.of(at, 1);
     const bool is_operand_first = is_second_taken_up(tape, sources, at);
@@ -114,20 +116,21 @@ class KindReader {
 
  private:
   /// How many instructions make a value, if they follow each other, few as they are, read nothing but coordinates and each
-  /// other, and can be run by lanes; else 0.
+  /// other, are read by nobody else, and can be run by lanes; else 0.
   std::uint32_t length_of(std::uint32_t last) const {
-    if (!sources_.is_read_once(last) || info(tape_.code[last].op).outputs != 1) return 0;
-    std::uint32_t read = 1;  // bit = instructions before the last
+    if (last == kNone || info(tape_.code[last].op).outputs != 1) return 0;
+    std::array<std::uint32_t, Chain::kLongest> reads{1};  // of what is made so many instructions before the last
     std::uint32_t length = 0;
-    for (; read >> length != 0; ++length) {
+    for (std::uint32_t unread = 1; unread > 0; ++length) {
+      if (length == Chain::kLongest || length > last) return 0;
       const std::uint32_t at = last - length;
-      const bool is_read = (read >> length & 1U) != 0;
-      if (!is_read || !runs_by_lanes(tape_.code[at].op)) return 0;
+      if (reads[length] == 0 || reads[length] != sources_.reads(at) || !runs_by_lanes(tape_.code[at].op)) return 0;
+      --unread;
       for (std::size_t k = 0; k < info(tape_.code[at].op).inputs; ++k) {
         const std::uint32_t source = sources_.of(at, k);
         if (source == kNone) continue;
         if (last - source >= Chain::kLongest) return 0;
-        read |= 1U << (last - source);
+        if (reads[last - source]++ == 0) ++unread;
       }
     }
     return length;
@@ -183,11 +186,14 @@ class Candidates {
     return latest_;
   }
 
-  /// The first that makes operands so too, whatever takes them up; null where there is none.
+  /// The most frequent one that makes operands so too, whatever takes them up; null where there is none.
   const Kind* like(const Kind& kind) const {
-    const auto is_like = [&](const Candidate& other) { return std::ranges::equal(other.kind.body(), kind.body()); };
-    const auto found = std::ranges::find_if(all_, is_like);
-    return found == all_.end() ? nullptr : &found->kind;
+    const Candidate* found = nullptr;
+    for (const Candidate& other : all_) {
+      const bool is_like = std::ranges::equal(other.kind.body(), kind.body());
+      if (is_like && (found == nullptr || other.count > found->count)) found = &other;
+    }
+    return found == nullptr ? nullptr : &found->kind;
   }
 
   /// Those of which there are many. Of each candidate, which of them it is, or kMostKinds.
@@ -236,6 +242,7 @@ class OperandFinder {
   explicit OperandFinder(const Tape& tape)
       : tape_(tape), sources_(tape), links_(links_of(tape, sources_)), reader_(tape, sources_) {
     for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (links_[i].taken_up == kNone) continue;  // a coordinate, which no list could tell of
       if (const std::optional<Kind> kind = reader_.read(links_[i].operand, links_[i])) {
         add(links_[i].operand, *kind, i);
         joins_.push_back(links_[i].at);
@@ -267,7 +274,7 @@ class OperandFinder {
     while (!to_see.empty()) {
       const std::uint32_t at = to_see.back();
       to_see.pop_back();
-      if (!sources_.is_read_once(at)) return;  // it belongs to something else too
+      if (at == kNone || sources_.reads(at) != 1) return;  // it is no instruction's, or of something else too
       if (!unites(tape_, at)) {
         operands.push_back(at);
         continue;
@@ -340,7 +347,9 @@ std::optional<Chain> Chain::of(const Tape& tape) {
   if (2 * length <= tape.code.size()) return std::nullopt;
   chain.is_whole_ = std::ranges::find(chain.owners_, kOther) == chain.owners_.end();
   if (chain.is_whole_) chain.owners_ = {};
+  chain.length_ = length - 1;
   chain.columns_ = std::ranges::max(chain.kinds_, {}, &Kind::constants).constants + (chain.has_one_kind() ? 0 : 1);
+  if (chain.columns_ == 0) return std::nullopt;  // all operands are alike
   chain.name_taken_up(register_above(chain.kinds_));
   return chain;
 }

@@ -92,9 +92,9 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
       table_(chain_ ? chain_->table<Real>(tape) : std::vector<Real>{}),
       focus_size_(static_cast<Real>(longest_side(focus))),
       most_bytes_(most_bytes),
-      constants_(is_list() ? std::vector<std::uint32_t>{} : constant_offsets(tape)) {
+      constants_(is_one_list() ? std::vector<std::uint32_t>{} : constant_offsets(tape)) {
   constexpr double kFarthest = static_cast<double>(std::numeric_limits<Real>::max()) / 16.0;
-  if (is_list()) {
+  if (is_one_list()) {
     all_operands_.resize(chain_->operands());
     std::iota(all_operands_.begin(), all_operands_.end(), 0U);
   } else {
@@ -127,7 +127,7 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
 
 template <class Real>
 TapePart Octree<Real>::whole() const {
-  return is_list() ? chain_->part_of(all_operands_) : whole_.view();
+  return is_one_list() ? chain_->part_of(all_operands_) : whole_.view();
 }
 
 template <class Real>
@@ -157,7 +157,7 @@ template <class Real>
 const Margin* Octree<Real>::margins(Top& top, const TapePart& part) {
   std::call_once(top.is_walked, [&] {
     const Region<Real> region = Place{&top, 0, {}}.region();
-    if (!is_list()) top.margins = margins_of(tape_, region);
+    if (!is_one_list()) top.margins = margins_of(tape_, region);
     if (chain_) top.margins_of_lists = chain_->margins(tape_, region);
     const std::size_t count = top.margins.size() + top.margins_of_lists.size();
     bytes_.fetch_add(count * sizeof(Margin), std::memory_order_relaxed);
@@ -252,8 +252,7 @@ std::optional<TapePart> CellMaker<Real>::prune(const TapePart& part, const Regio
   }
   if (!pruner_.prune(*chain, part, ready, region, margins, operands_)) {
     const std::optional<TapePart> left = pruner_.prune(ready, region, margins);
-    if (!left) return std::nullopt;
-    Chain::find_operands_of_list(*left, operands_);
+    if (!left || !Chain::find_operands_of_list(*left, operands_)) return std::nullopt;
   }
   if (operands_.size() == part.operands) return std::nullopt;
   return chain->part_of(operands_);

@@ -62,9 +62,8 @@ class Octree {
     Real room;      ///< by which regions are larger than cells, since places of points are rounded
     Cell cell;
     std::once_flag is_walked;
-    // made when first asked for:
-    std::vector<Margin>
-        margins;  ///< of the tape, where it is run at points of the cell; empty where all parts are lists
+    /// Of the tape, where it is run at points of the cell; made when first asked for, as the next. Empty where all parts are lists.
+    std::vector<Margin> margins;
     std::vector<Margin> margins_of_lists;
 
     /// Where a point is, in smallest cells; false, and nothing, where it is not in this one.
@@ -141,8 +140,8 @@ class Octree {
   std::unique_ptr<Arena> lend();
   void give_back(std::unique_ptr<Arena> arena);
   bool is_small(const Place& place) const;
-  /// Is the whole tape one?
-  bool is_list() const { return chain_ && chain_->is_whole(); }
+  /// Is the whole tape?
+  bool is_one_list() const { return chain_ && chain_->is_whole(); }
   const Margin* margins(Top& top, const TapePart& part);
   TapePart whole() const;
 

@@ -62,7 +62,7 @@ Pruner<Real>::Pruner(const Tape& tape, Sampler<Real>* sampler, const Real* table
 template <class Real>
 std::optional<TapePart> Pruner<Real>::prune(const TapePart& part, const Region<Real>& region, const Margin* margins) {
   margins_ = margins;
-  constants_ = part.operands > 0 ? table_ : constants_of<Real>(tape_);
+  constants_ = part.has_table() ? table_ : constants_of<Real>(tape_);
   choices_.assign(part.length, Choice::kItself);
   uses_.resize(part.length);
   if (sampler_ != nullptr) sample(part, region);

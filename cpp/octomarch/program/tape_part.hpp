@@ -36,7 +36,9 @@ struct TapePart {
 
   /// Of parts that are ready to be run.
   std::span<const Instruction> instructions() const { return {code, length}; }
-  bool is_list() const { return code == nullptr; }
+  bool is_list() const { return has_table() && code == nullptr; }
+  /// Is it a list, or has it been one?
+  bool has_table() const { return operands > 0; }
   std::span<const std::uint32_t> list() const { return {origins, operands}; }
 };
 

@@ -142,13 +142,10 @@ class CellChoice {
 
     Alone() = default;
     explicit Alone(const Chain& chain) {
-      std::size_t length = 0;
-      for (std::size_t i = 0; i < chain.operands(); ++i) {
-        length += chain.kind_of(i).length + 1;
-      }
       most_operands = std::min(kMostOperands, kMostRows / chain.columns());
       few = std::min(kFew / chain.columns(), chain.operands() / kOperandsOfFew);
-      load_cost = kLoadCost * static_cast<double>(chain.operands() * chain.columns()) / static_cast<double>(length);
+      load_cost =
+          kLoadCost * static_cast<double>(chain.operands() * chain.columns()) / static_cast<double>(chain.length());
     }
   };
 

@@ -64,7 +64,7 @@ class ChainLanes {
   using Place = typename Octree<Real>::Place;
   static constexpr unsigned kLevels = Octree<Real>::kLevels;
 
-  /// Parts as short as this are not looked for any deeper.
+  /// Parts as short as this are not looked for any deeper, if they fit.
   static constexpr std::uint32_t kShort = 40;
 
   /// The cell of a lane and those above it.
@@ -96,7 +96,7 @@ class ChainLanes {
       std::uint64_t below = 0;
       for_each_lane(above, [&](std::size_t lane) {
         const Cell& cell = paths_[lane].cell();
-        if (cell.is_leaf || (cell.part.is_list() && cell.part.length <= kShort)) {
+        if (cell.is_leaf || (choice_.fits_lanes(cell) && cell.part.length <= kShort)) {
           found |= std::uint64_t{is_ready(cell)} << lane;
         } else {
           __builtin_prefetch(cell.branch.load(std::memory_order_relaxed));

@@ -41,7 +41,7 @@ class LoadedTape {
   }
   /// A part of the tape. Looking for coordinates would take longer than what it saves at the few points of a cell.
   kernels::TapeView<Real> view(const TapePart& part) const {
-    const Real* const constants = part.operands > 0 ? table_ : constants_of<Real>(tape_);
+    const Real* const constants = part.has_table() ? table_ : constants_of<Real>(tape_);
     return {part.code, part.length, constants, part.registers, part.result, images_.data(), nullptr};
   }
   Real* memory() { return memory_.data(); }
