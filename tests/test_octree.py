@@ -55,11 +55,11 @@ def crowd(count: int = 3000, seed: int = 9) -> om.Shape:
 
 
 def mixed_crowd() -> om.Shape:
-    """Return small shapes of four kinds."""
+    """Return small shapes of four kinds, so many that rays go alone among them."""
     rng = np.random.default_rng(10)
-    kinds = [om.sphere(0.06), om.box((0.1, 0.05, 0.08)), om.capsule((0, 0, 0), (0.1, 0.1, 0), 0.03)]
-    turned = [om.cone(0.05, 0.15).rotate(float(rng.uniform(-180, 180)), axis="z") for _ in range(400)]
-    shapes = [kinds[i % 3] for i in range(800)] + turned
+    kinds = [om.sphere(0.04), om.box((0.07, 0.03, 0.05)), om.capsule((0, 0, 0), (0.06, 0.06, 0), 0.02)]
+    turned = [om.cone(0.03, 0.1).rotate(float(rng.uniform(-180, 180)), axis="z") for _ in range(1500)]
+    shapes = [kinds[i % 3] for i in range(3000)] + turned
     rng.shuffle(shapes)
     return om.union(*(shape.translate(*rng.uniform(-2, 2, 3)) for shape in shapes), smooth=0.02)
 
@@ -68,9 +68,9 @@ def pins() -> om.Shape:
     """Return copies of a shape that is made of several, turned."""
     pin = (om.cylinder(0.02, 0.2) | om.sphere(0.05, center=(0, 0.1, 0))) - om.box(0.03, center=(0, 0.12, 0.03))
     rng = np.random.default_rng(11)
-    matrices = np.tile(np.eye(4), (900, 1, 1))
-    matrices[:, :3, :3] = np.linalg.qr(rng.normal(size=(900, 3, 3))).Q
-    matrices[:, :3, 3] = rng.uniform(-2, 2, (900, 3))
+    matrices = np.tile(np.eye(4), (1100, 1, 1))
+    matrices[:, :3, :3] = np.linalg.qr(rng.normal(size=(1100, 3, 3))).Q
+    matrices[:, :3, 3] = rng.uniform(-2, 2, (1100, 3))
     return pin.instances(matrices, smooth=0.01)
 
 

@@ -87,9 +87,9 @@ VectorBuffer<Real> points_in(const Region<Real>& region, Random& random) {
 template <class Real>
 class Runner final : public Sampler<Real> {
  public:
-  explicit Runner(const Tape& tape) : tape_(tape) {
+  explicit Runner(const Tape& tape, std::size_t many_that_choose = Chain::kManyThatChoose) : tape_(tape) {
     std::uint32_t registers = tape.registers;
-    if (const std::optional<Chain> chain = Chain::of(tape)) {
+    if (const std::optional<Chain> chain = Chain::of(tape, many_that_choose)) {
       table_ = chain->template table<Real>(tape);
       registers = std::max(registers, chain->registers());
     }

@@ -17,6 +17,7 @@ namespace octomarch {
 namespace {
 
 constexpr int kCount = 40;
+constexpr std::size_t kFew = 5;
 
 /// A union of what is made of random numbers, at random places.
 NodePtr many(const std::function<NodePtr(Random&)>& make, double smooth, NodeKind kind = NodeKind::kUnion,
@@ -181,7 +182,7 @@ TEST_CASE("operands of few kinds are a chain") {
   for (const Made& made : chains()) {
     CAPTURE(made.name);
     const auto program = compile(made.shape);
-    const std::optional<Chain> chain = Chain::of(program->distance());
+    const std::optional<Chain> chain = Chain::of(program->distance(), kFew);
     REQUIRE(chain.has_value());
     CHECK(chain->is_whole());
     CHECK(chain->operands() == made.operands);
@@ -196,7 +197,7 @@ TEST_CASE("what else a tape has is no part of its chain") {
   for (const Made& made : chains_and_more()) {
     CAPTURE(made.name);
     const auto program = compile(made.shape);
-    const std::optional<Chain> chain = Chain::of(program->distance());
+    const std::optional<Chain> chain = Chain::of(program->distance(), kFew);
     REQUIRE(chain.has_value());
     CHECK_FALSE(chain->is_whole());
     CHECK(bodies_of(*chain) == made.bodies);
@@ -214,13 +215,23 @@ TEST_CASE("other tapes are none") {
       {"a shell of all", shell(many(ball, 0.1), 0.1), {}},
       {"repeated balls", repeat(many(ball, 0.1), {5, 5, 5}, {0, 0, 0}), {}},
       {"fields", many(wavy, 0.0), {}},
+      {"long operands that choose",
+       many([](Random& r) { return turned(combine(NodeKind::kUnion, {pin(r), knob(r)}, 0.1), r); }, 0.1),
+       {}},
       {"of too many kinds", many([i = 0](Random& r) mutable { return shells(ball(r), i++ % 23); }, 0.0), {}},
   };
   for (const Made& made : others) {
     CAPTURE(made.name);
     const auto program = compile(made.shape);
-    CHECK_FALSE(Chain::of(program->distance()).has_value());
+    CHECK_FALSE(Chain::of(program->distance(), kFew).has_value());
   }
+}
+
+TEST_CASE("few operands that choose by themselves are no chain") {
+  const auto program = compile(many(bead, 0.1));
+  CHECK(Chain::of(program->distance(), kCount).has_value());
+  CHECK_FALSE(Chain::of(program->distance(), kCount + 1).has_value());
+  CHECK(kCount < Chain::kManyThatChoose);
 }
 
 template <class Real>
@@ -239,10 +250,10 @@ TEST_CASE_TEMPLATE("a part as a list of operands has the bits of the part", Real
     CAPTURE(made.name);
     const auto program = compile(made.shape);
     const Tape& tape = program->distance();
-    const std::optional<Chain> chain = Chain::of(tape);
+    const std::optional<Chain> chain = Chain::of(tape, kFew);
     REQUIRE(chain.has_value());
     const HeldPart whole = whole_of(tape);
-    Runner<Real> runner(tape);
+    Runner<Real> runner(tape, kFew);
     const std::vector<Margin> margins = margins_of(tape, Region<Real>{{-3, -3, -3}, {3, 3, 3}});
     Pruner<Real> by_ranges(tape);
     Pruner<Real> by_samples(tape, &runner);
@@ -273,9 +284,9 @@ TEST_CASE_TEMPLATE("what pruning leaves of a list has the bits of the list", Rea
     CAPTURE(made.name);
     const auto program = compile(made.shape);
     const Tape& tape = program->distance();
-    const std::optional<Chain> chain = Chain::of(tape);
+    const std::optional<Chain> chain = Chain::of(tape, kFew);
     REQUIRE(chain.has_value());
-    Runner<Real> runner(tape);
+    Runner<Real> runner(tape, kFew);
     const std::vector<Real> table = chain->template table<Real>(tape);
     Pruner<Real> pruner(tape, &runner, table.data());
     Unpacker unpacker({}, &*chain);
@@ -313,7 +324,7 @@ TEST_CASE_TEMPLATE("what pruning leaves of a list has the bits of the list", Rea
 TEST_CASE("operands of which something is left count, what is between them does not") {
   const auto program = compile(chains_and_more()[0].shape);
   const Tape& tape = program->distance();
-  const std::optional<Chain> chain = Chain::of(tape);
+  const std::optional<Chain> chain = Chain::of(tape, kFew);
   REQUIRE(chain.has_value());
   const HeldPart whole = whole_of(tape);
   const auto only = [&](const std::vector<std::uint32_t>& instructions) {

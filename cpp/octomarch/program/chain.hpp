@@ -46,8 +46,11 @@ class Chain {
     friend bool operator==(const Kind& a, const Kind& b);
   };
 
-  /// The chain of a tape; nothing where that would be less than half of it. O(tape).
-  static std::optional<Chain> of(const Tape& tape);
+  /// Parts of other tapes are pruned inside of operands too. So operands that choose by themselves are to be so many that most cells
+  /// hold whole ones.
+  static constexpr std::size_t kManyThatChoose = 1000;
+  /// The chain of a tape; nothing where that would be less than half of it. `many_that_choose`: of a kind. O(tape).
+  static std::optional<Chain> of(const Tape& tape, std::size_t many_that_choose = kManyThatChoose);
 
   std::span<const Kind> kinds() const { return kinds_; }
   std::size_t operands() const { return kind_of_.size(); }

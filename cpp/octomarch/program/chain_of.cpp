@@ -18,6 +18,8 @@ constexpr std::size_t kMostCandidates = 128;
 /// Of so many operands a kind must have one. Lanes that run several kinds take longer, and where a rare one is parts are run as those
 /// of other tapes.
 constexpr std::size_t kRare = 32;
+/// Operands that choose by themselves are not longer than this.
+constexpr std::size_t kLongestThatChooses = 8;
 /// Stands for no instruction, but for coordinates.
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 /// In kinds, the register of what has been taken up, until it is known which ones they have.
@@ -97,6 +99,11 @@ std::vector<Link> links_of(const Tape& tape, const Sources& sources) {
   return links;
 }
 
+/// Does what makes an operand choose between parts of it?
+bool chooses(const Kind& kind) {
+  return std::ranges::any_of(kind.body(), [](const Instruction& i) { return chooses_distance(i.op); });
+}
+
 /// Reads single operands off a tape.
 class KindReader {
  public:
@@ -111,6 +118,7 @@ class KindReader {
     kind.length = length;
     read_body(last + 1 - length, kind);
     read_combine(link, kind);
+    if (length > kLongestThatChooses && chooses(kind)) return std::nullopt;
     return kind;
   }
 
@@ -197,7 +205,7 @@ class Candidates {
   }
 
   /// Those of which there are many. Of each candidate, which of them it is, or kMostKinds.
-  std::vector<Kind> frequent(std::vector<std::uint8_t>& kind_of) const {
+  std::vector<Kind> frequent(std::size_t many_that_choose, std::vector<std::uint8_t>& kind_of) const {
     std::vector<std::size_t> order(all_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::sort(order, [&](std::size_t a, std::size_t b) {
@@ -209,6 +217,7 @@ class Candidates {
     std::vector<Kind> kinds;
     for (const std::size_t i : order) {
       if (kinds.size() == Chain::kMostKinds || all_[i].count * kRare < operands) break;
+      if (chooses(all_[i].kind) && all_[i].count < many_that_choose) continue;
       kind_of[i] = static_cast<std::uint8_t>(kinds.size());
       kinds.push_back(all_[i].kind);
     }
@@ -327,12 +336,12 @@ std::uint16_t register_above(const std::vector<Kind>& kinds) {
 
 }  // namespace
 
-std::optional<Chain> Chain::of(const Tape& tape) {
+std::optional<Chain> Chain::of(const Tape& tape, std::size_t many_that_choose) {
   if (tape.inputs != kCoordinates || tape.results.size() != 1) return std::nullopt;
   const OperandFinder finder(tape);
   Chain chain;
   std::vector<std::uint8_t> kind_of;
-  chain.kinds_ = finder.candidates().frequent(kind_of);
+  chain.kinds_ = finder.candidates().frequent(many_that_choose, kind_of);
   chain.owners_.assign(tape.code.size(), kOther);
   for (const std::uint32_t join : finder.joins()) chain.owners_[join] = kNobody;
   std::size_t length = 0;

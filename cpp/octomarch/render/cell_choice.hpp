@@ -90,7 +90,7 @@ class CellChoice {
     // lanes have no room for the cell; to make a child at once paid even where only a few thousand rays came
     if (!fits_lanes(cell)) return true;
     const double length = cell.part.length;
-    const double once = kLaneCost * stay_.evaluations;
+    const double once = alone_.lane_cost * stay_.evaluations;
     const double stay = kAloneCost + length * (once + alone_.load_cost);
     const double apart = stay_.octants * kAloneCost + hoped_length(cell) * (once + stay_.octants * alone_.load_cost);
     return is_worth(cell, stay - apart, price_of_child(cell));
@@ -119,6 +119,8 @@ class CellChoice {
   static constexpr std::size_t kFew = 128;
   /// And where there are few operands, and so few cells, rays meet again later: for so many operands one element more may go alone.
   static constexpr std::size_t kOperandsOfFew = 64;
+  /// Lanes that run several kinds, each for all of them, are faster only where rays hardly ever meet again.
+  static constexpr std::size_t kOperandsOfFewMixed = 4096;
   /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
   /// thirtieth of what it takes, since the smaller cells below it will gain more.
   static constexpr double kCellPrice = 2000.0;
@@ -139,11 +141,14 @@ class CellChoice {
     std::size_t most_operands = 0;
     std::size_t few = 0;     ///< elements that are better alone
     double load_cost = 0.0;  ///< of an instruction by itself
+    double lane_cost = 0.0;  ///< and for each evaluation
 
     Alone() = default;
     explicit Alone(const Chain& chain) {
       most_operands = std::min(kMostOperands, kMostRows / chain.columns());
-      few = std::min(kFew / chain.columns(), chain.operands() / kOperandsOfFew);
+      few = std::min(kFew / (chain.columns() * chain.kinds().size()),
+                     chain.operands() / (chain.has_one_kind() ? kOperandsOfFew : kOperandsOfFewMixed));
+      lane_cost = kLaneCost * static_cast<double>(chain.kinds().size());
       load_cost =
           kLoadCost * static_cast<double>(chain.operands() * chain.columns()) / static_cast<double>(chain.length());
     }
