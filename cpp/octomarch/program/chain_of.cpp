@@ -1,10 +1,10 @@
 // Finds the chain of a tape; chain.cpp says what is done with it.
 #include <algorithm>
-#include <limits>
 #include <numeric>
 #include <utility>
 
 #include "octomarch/program/chain.hpp"
+#include "octomarch/program/operand_reader.hpp"
 
 namespace octomarch {
 
@@ -12,175 +12,12 @@ namespace {
 
 using Kind = Chain::Kind;
 
-constexpr std::uint16_t kCoordinates = 3;
+constexpr std::uint32_t kCoordinates = 3;
 /// Kinds that are told apart, of which the most frequent ones are kept.
 constexpr std::size_t kMostCandidates = 128;
 /// Of so many operands a kind must have one. Lanes that run several kinds take longer, and where a rare one is parts are run as those
 /// of other tapes.
 constexpr std::size_t kRare = 32;
-/// Operands that choose by themselves are not longer than this.
-constexpr std::size_t kLongestThatChooses = 8;
-/// Stands for no instruction, but for coordinates.
-constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-/// In kinds, the register of what has been taken up, until it is known which ones they have.
-constexpr std::uint16_t kTakenUp = std::numeric_limits<std::uint16_t>::max();
-
-constexpr bool chooses_distance(Opcode op) { return chooses_operand(op) && !chooses_attribute(op); }
-/// Can it take operands up? Where it subtracts, a part may need the complement of an operand.
-constexpr bool combines(Opcode op) { return chooses_distance(op) && !subtracts(op); }
-
-/// Which instructions made what each instruction of a tape reads.
-class Sources {
- public:
-  explicit Sources(const Tape& tape)
-      : of_(tape.code.size()), weights_(tape.code.size(), 1.0), reads_(tape.code.size(), 0) {
-    std::vector<std::uint32_t> maker(tape.registers, kNone);
-    for (std::uint32_t i = 0; i < tape.code.size(); ++i) {
-      const Instruction& instruction = tape.code[i];
-      const OpcodeInfo& shape = info(instruction.op);
-      for (std::size_t k = 0; k < shape.inputs; ++k) {
-        const std::uint32_t source = of_[i][k] = maker[instruction.in[k]];
-        if (source == kNone) continue;
-        weights_[i] += weights_[source];
-        ++reads_[source];
-      }
-      for (std::size_t k = 0; k < shape.outputs; ++k) maker[instruction.out[k]] = i;
-    }
-    result_ = maker[tape.result()];
-  }
-
-  std::uint32_t of(std::uint32_t instruction, std::size_t input) const { return of_[instruction][input]; }
-  /// Instructions that a value takes, if no two share any.
-  double weight(std::uint32_t instruction) const { return instruction == kNone ? 0.0 : weights_[instruction]; }
-  /// How often what an instruction made is read.
-  std::uint32_t reads(std::uint32_t instruction) const { return reads_[instruction]; }
-  std::uint32_t result() const { return result_; }
-
- private:
-  std::vector<std::array<std::uint32_t, kMaxInputs>> of_;
-  std::vector<double> weights_;
-  std::vector<std::uint32_t> reads_;
-  std::uint32_t result_;
-};
-
-/// What chooses between what has been taken up so far and one operand more.
-struct Link {
-  std::uint32_t at;
-  std::uint32_t taken_up;  ///< what made it; likewise the next
-  std::uint32_t operand;
-  bool is_operand_first;
-};
-
-bool unites(const Tape& tape, std::uint32_t at) { return at != kNone && tape.code[at].op == Opcode::kUnion; }
-
-/// Of the two that a link chooses between, is what the second made what has been taken up? So it is where that is much longer than an
-/// operand more would be. What a union has united can be added to the other one by one, if the link unites too.
-bool is_second_taken_up(const Tape& tape, const Sources& sources, std::uint32_t at) {
-  const std::uint32_t first = sources.of(at, 0);
-  const std::uint32_t second = sources.of(at, 1);
-  if (subtracts(tape.code[at].op) || second == kNone) return false;
-  if (first == kNone) return true;
-  if (unites(tape, at) && unites(tape, second)) return false;
-  const bool adds_first = unites(tape, at) && unites(tape, first);
-  return sources.weight(second) > (adds_first ? 0.0 : sources.weight(first)) + Chain::kLongest;
-}
-
-/// The links from the operand to which most of a tape is added to the result.
-std::vector<Link> links_of(const Tape& tape, const Sources& sources) {
-  std::vector<Link> links;
-  for (std::uint32_t at = sources.result(); at != kNone && chooses_distance(tape.code[at].op);) {
-    const std::uint32_t first = sources.of(at, 0);
-    const std::uint32_t second = sources.of(at, 1);
-    const bool is_operand_first = is_second_taken_up(tape, sources, at);
-    links.push_back({at, is_operand_first ? second : first, is_operand_first ? first : second, is_operand_first});
-    at = links.back().taken_up;
-  }
-  std::ranges::reverse(links);
-  return links;
-}
-
-/// Does what makes an operand choose between parts of it?
-bool chooses(const Kind& kind) {
-  return std::ranges::any_of(kind.body(), [](const Instruction& i) { return chooses_distance(i.op); });
-}
-
-/// Reads single operands off a tape.
-class KindReader {
- public:
-  KindReader(const Tape& tape, const Sources& sources) : tape_(tape), sources_(sources) {}
-
-  /// Of the operand that ends with an instruction and is taken up by a link, if lanes can run it. Registers are those of the
-  /// operand alone, whatever they are in the tape.
-  std::optional<Kind> read(std::uint32_t last, const Link& link) const {
-    const std::uint32_t length = combines(tape_.code[link.at].op) ? length_of(last) : 0;
-    if (length == 0) return std::nullopt;
-    Kind kind;
-    kind.length = length;
-    read_body(last + 1 - length, kind);
-    read_combine(link, kind);
-    if (length > kLongestThatChooses && chooses(kind)) return std::nullopt;
-    return kind;
-  }
-
- private:
-  /// How many instructions make a value, if they follow each other, few as they are, read nothing but coordinates and each
-  /// other, are read by nobody else, and can be run by lanes; else 0.
-  std::uint32_t length_of(std::uint32_t last) const {
-    if (last == kNone || info(tape_.code[last].op).outputs != 1) return 0;
-    std::array<std::uint32_t, Chain::kLongest> reads{1};  // of what is made so many instructions before the last
-    std::uint32_t length = 0;
-    for (std::uint32_t unread = 1; unread > 0; ++length) {
-      if (length == Chain::kLongest || length > last) return 0;
-      const std::uint32_t at = last - length;
-      if (reads[length] == 0 || reads[length] != sources_.reads(at) || !runs_by_lanes(tape_.code[at].op)) return 0;
-      --unread;
-      for (std::size_t k = 0; k < info(tape_.code[at].op).inputs; ++k) {
-        const std::uint32_t source = sources_.of(at, k);
-        if (source == kNone) continue;
-        if (last - source >= Chain::kLongest) return 0;
-        if (reads[last - source]++ == 0) ++unread;
-      }
-    }
-    return length;
-  }
-
-  void read_body(std::uint32_t head, Kind& kind) const {
-    std::uint16_t next = kCoordinates;
-    for (std::uint32_t i = 0; i < kind.length; ++i) {
-      const Instruction& taken = tape_.code[head + i];
-      const OpcodeInfo& shape = info(taken.op);
-      Instruction& own = kind.instructions[i];
-      own.op = taken.op;
-      own.constants = static_cast<std::uint32_t>(kind.constants);
-      for (std::size_t k = 0; k < shape.inputs; ++k) {
-        const std::uint32_t source = sources_.of(head + i, k);
-        own.in[k] = source == kNone ? taken.in[k] : renamed(source, taken.in[k], kind.instructions[source - head]);
-      }
-      for (std::size_t k = 0; k < shape.outputs; ++k) own.out[k] = next++;
-      kind.constants += shape.constants;
-    }
-  }
-
-  /// Of what an instruction has left in a register of the tape.
-  std::uint16_t renamed(std::uint32_t source, std::uint16_t taken, const Instruction& own) const {
-    std::size_t k = 0;
-    while (tape_.code[source].out[k] != taken) ++k;
-    return own.out[k];
-  }
-
-  void read_combine(const Link& link, Kind& kind) const {
-    const Instruction& taken = tape_.code[link.at];
-    Instruction& combine = kind.instructions[kind.length];
-    combine.op = taken.op;
-    combine.out[0] = kTakenUp;
-    combine.in[0] = link.is_operand_first ? kind.operand() : kTakenUp;
-    combine.in[1] = link.is_operand_first ? kTakenUp : kind.operand();
-    std::copy_n(tape_.constants.begin() + taken.constants, info(taken.op).constants, kind.of_combine.begin());
-  }
-
-  const Tape& tape_;
-  const Sources& sources_;
-};
 
 /// Kinds, and how often they are met.
 class Candidates {
@@ -251,7 +88,7 @@ class OperandFinder {
   explicit OperandFinder(const Tape& tape)
       : tape_(tape), sources_(tape), links_(links_of(tape, sources_)), reader_(tape, sources_) {
     for (std::size_t i = 0; i < links_.size(); ++i) {
-      if (links_[i].taken_up == kNone) continue;  // a coordinate, which no list could tell of
+      if (links_[i].taken_up == kNoInstruction) continue;  // a coordinate, which no list could tell of
       if (const std::optional<Kind> kind = reader_.read(links_[i].operand, links_[i])) {
         add(links_[i].operand, *kind, i);
         joins_.push_back(links_[i].at);
@@ -283,7 +120,7 @@ class OperandFinder {
     while (!to_see.empty()) {
       const std::uint32_t at = to_see.back();
       to_see.pop_back();
-      if (at == kNone || sources_.reads(at) != 1) return;  // it is no instruction's, or of something else too
+      if (at == kNoInstruction || sources_.reads(at) != 1) return;  // it is no instruction's, or of something else too
       if (!unites(tape_, at)) {
         operands.push_back(at);
         continue;
@@ -317,7 +154,7 @@ class OperandFinder {
   const Tape& tape_;
   const Sources sources_;
   const std::vector<Link> links_;
-  const KindReader reader_;
+  const OperandReader reader_;
   std::vector<Found> found_;
   std::vector<std::uint32_t> joins_;
   Candidates candidates_;
@@ -370,7 +207,7 @@ void Chain::name_taken_up(std::uint16_t taken_up) {
   for (Kind& kind : kinds_) {
     Instruction& combine = kind.instructions[kind.length];
     combine.out[0] = taken_up;
-    std::ranges::replace(combine.in, kTakenUp, taken_up);
+    std::ranges::replace(combine.in, OperandReader::kTakenUp, taken_up);
     combine.constants = static_cast<std::uint32_t>(std::exchange(constants, constants + kMostOfCombine));
   }
 }

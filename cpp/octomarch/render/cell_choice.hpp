@@ -77,7 +77,10 @@ class CellChoice {
 
   /// Lists of no more operands than this can be run lane by lane (chain_lanes.hpp).
   std::size_t most_operands() const { return alone_.most_operands; }
-  bool fits_lanes(const Cell& cell) const { return cell.part.is_list() && cell.part.operands <= most_operands(); }
+  bool fits_lanes(const Cell& cell) const {
+    const std::size_t others = std::size_t{cell.part.operands} - 1;  // very many where it is no list
+    return others < alone_.most_operands;
+  }
   /// Are a cell's elements so few that each should rather run a part of its own, in a cell as small as is worth it? Where memory has
   /// ended lanes may not find a cell.
   bool go_alone(const Cell& cell, std::size_t count) const {

@@ -153,7 +153,7 @@ class CellMarch {
 
   CellChoice<Real>& choice_;
   CellSweep<Real> sweep_;
-  std::optional<ChainMarch<Real>> alone_;  ///< where the tape is a chain
+  std::optional<ChainMarch<Real>> alone_;  ///< where the tape has one
   std::vector<std::int32_t> taken_;        ///< steps of each ray so far
   // of the rays of one cell:
   VectorBuffer<Real> origin_, direction_;

@@ -15,8 +15,8 @@
 namespace octomarch {
 
 /// Rays that wait in cells. Those that have to go back, since a step was too long, wait for the next sweep, and many of a cell
-/// go on together: at once, each would run two programs for itself. Where a tape is a chain, rays of which few share a cell leave the
-/// sweep for good. Keeps its memory from march to march; one for each thread.
+/// go on together: at once, each would run two programs for itself. Where a cell has a list, rays of which few share it leave the
+/// sweep. Keeps its memory from march to march; one for each thread.
 template <class Real>
 class CellSweep {
  public:

@@ -1,4 +1,4 @@
-// Lanes that each run a part of their own: the operands that decide in the cell of a chain's octree in which the lane's ray is.
+// Lanes that each run a part of their own: the operands that decide in the cell in which the lane's ray is, where that has a list.
 // For where so few share a cell that running it for them alone would leave most lanes empty. Comes before chain_march.hpp.
 #pragma once
 
@@ -96,7 +96,7 @@ class ChainLanes {
       std::uint64_t below = 0;
       for_each_lane(above, [&](std::size_t lane) {
         const Cell& cell = paths_[lane].cell();
-        if (cell.is_leaf || (choice_.fits_lanes(cell) && cell.part.length <= kShort)) {
+        if (cell.is_leaf || (cell.part.length <= kShort && choice_.fits_lanes(cell))) {
           found |= std::uint64_t{is_ready(cell)} << lane;
         } else {
           __builtin_prefetch(cell.branch.load(std::memory_order_relaxed));
