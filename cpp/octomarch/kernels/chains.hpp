@@ -22,7 +22,7 @@ template <template <class> class Op, class Real, std::size_t Inputs, std::size_t
   Real* const out1 = registers + instruction.out[1] * kLanes;
   Real* const out2 = registers + instruction.out[2] * kLanes;
   for_each_batch<Real>(count, [&](std::size_t lane) {
-    T own[Constants > 0 ? Constants : 1];
+    T own[Constants > 0 ? Constants : 1] = {T()};
     for (std::size_t k = 0; k < Constants; ++k) own[k] = T::load(constants + k * kLanes + lane);
     const Op<T> op(static_cast<const T*>(own));
     const auto result = [&] {
