@@ -293,7 +293,7 @@ TEST_CASE_TEMPLATE("what pruning leaves of a list has the bits of the list", Rea
     std::vector<std::uint32_t> operands(chain->operands());
     std::iota(operands.begin(), operands.end(), 0U);
     const TapePart list = chain->part_of(operands);
-    const std::vector<Margin> margins = chain->margins(tape, Region<Real>{{-3, -3, -3}, {3, 3, 3}});
+    const std::vector<Margin> margins = chain->margins(table, Region<Real>{{-3, -3, -3}, {3, 3, 3}});
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     const std::vector<Margin> none(margins.size(), Margin{kInfinity, kInfinity});
     const TapePart ready = unpacker.ready(list);

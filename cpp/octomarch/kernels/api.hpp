@@ -155,7 +155,7 @@ struct MarchState {
   std::int32_t* steps;  ///< evaluations of each ray, exactly `count` long, any alignment; null when not wanted
 };
 
-/// A kind of a chain (program/chain.hpp) as kernels see it.
+/// What operands of a chain (program/chain.hpp) are alike in, as kernels see it.
 template <class Real>
 struct KindView {
   const Instruction* body;
@@ -164,6 +164,7 @@ struct KindView {
   const Real* combine_constants;
 };
 
+/// A chain as kernels see it.
 template <class Real>
 struct ChainView {
   const KindView<Real>* kinds;

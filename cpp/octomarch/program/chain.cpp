@@ -62,7 +62,7 @@ template std::vector<float> Chain::table(const Tape& tape) const;
 template std::vector<double> Chain::table(const Tape& tape) const;
 
 template <class Real>
-std::vector<Margin> Chain::margins(const Tape& tape, const Region<Real>& region) const {
+std::vector<Margin> Chain::margins(const std::vector<Real>& table, const Region<Real>& region) const {
   std::vector<std::uint32_t> all(operands());
   std::iota(all.begin(), all.end(), 0U);
   const TapePart list = part_of(all);
@@ -71,9 +71,9 @@ std::vector<Margin> Chain::margins(const Tape& tape, const Region<Real>& region)
   of_list.code.resize(list.length);
   write_code(list, of_list.code.data(), origins.data());
   if constexpr (std::is_same_v<Real, float>) {
-    of_list.constants_f32 = table<float>(tape);
+    of_list.constants_f32 = table;
   } else {
-    of_list.constants = table<double>(tape);
+    of_list.constants = table;
   }
   of_list.registers = registers();
   of_list.results = {taken_up_};
@@ -86,8 +86,8 @@ std::vector<Margin> Chain::margins(const Tape& tape, const Region<Real>& region)
   }
   return margins;
 }
-template std::vector<Margin> Chain::margins(const Tape& tape, const Region<float>& region) const;
-template std::vector<Margin> Chain::margins(const Tape& tape, const Region<double>& region) const;
+template std::vector<Margin> Chain::margins(const std::vector<float>& table, const Region<float>& region) const;
+template std::vector<Margin> Chain::margins(const std::vector<double>& table, const Region<double>& region) const;
 
 /// Where an instruction that chooses reads a coordinate, that is what is left of something that has no instruction any more.
 bool Chain::find_operands(const TapePart& part, std::vector<std::uint32_t>& operands) const {

@@ -72,9 +72,9 @@ class Chain {
   /// The constants of lists: rows of one operand after the other, then what their combines go by. O(operands).
   template <class Real>
   std::vector<Real> table(const Tape& tape) const;
-  /// Margins of lists that are run at points of a region, where their code says (write_code). O(operands).
+  /// Margins of lists that are run at points of a region, where their code says (write_code). `table`: table(). O(operands).
   template <class Real>
-  std::vector<Margin> margins(const Tape& tape, const Region<Real>& region) const;
+  std::vector<Margin> margins(const std::vector<Real>& table, const Region<Real>& region) const;
 
   /// The operands that a part of the tape has something of, ascending; false where it has something else too. All of them gives the
   /// part's bits where it gives the tape's, since what an operand is without is what does not matter. Not for whole chains. O(part).

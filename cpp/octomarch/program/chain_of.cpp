@@ -113,7 +113,7 @@ class OperandFinder {
 
   /// Where a union is added by a union, what it unites may as well be added one by one.
   void read_union(std::size_t index) {
-    const Link& link = links_[index];
+    const ChainLink& link = links_[index];
     std::vector<std::uint32_t> operands;
     std::vector<std::uint32_t> unions;
     std::vector<std::uint32_t> to_see = {link.operand};
@@ -153,7 +153,7 @@ class OperandFinder {
 
   const Tape& tape_;
   const Sources sources_;
-  const std::vector<Link> links_;
+  const std::vector<ChainLink> links_;
   const OperandReader reader_;
   std::vector<Found> found_;
   std::vector<std::uint32_t> joins_;

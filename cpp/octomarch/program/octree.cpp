@@ -158,7 +158,7 @@ const Margin* Octree<Real>::margins(Top& top, const TapePart& part) {
   std::call_once(top.is_walked, [&] {
     const Region<Real> region = Place{&top, 0, {}}.region();
     if (!is_one_list()) top.margins = margins_of(tape_, region);
-    if (chain_) top.margins_of_lists = chain_->margins(tape_, region);
+    if (chain_) top.margins_of_lists = chain_->margins(table_, region);
     const std::size_t count = top.margins.size() + top.margins_of_lists.size();
     bytes_.fetch_add(count * sizeof(Margin), std::memory_order_relaxed);
   });

@@ -140,7 +140,7 @@ class Octree {
   std::unique_ptr<Arena> lend();
   void give_back(std::unique_ptr<Arena> arena);
   bool is_small(const Place& place) const;
-  /// Is the whole tape?
+  /// Is the part that is the whole tape a list?
   bool is_one_list() const { return chain_ && chain_->is_whole(); }
   const Margin* margins(Top& top, const TapePart& part);
   TapePart whole() const;

@@ -47,8 +47,8 @@ Sources::Sources(const Tape& tape)
   result_ = maker[tape.result()];
 }
 
-std::vector<Link> links_of(const Tape& tape, const Sources& sources) {
-  std::vector<Link> links;
+std::vector<ChainLink> links_of(const Tape& tape, const Sources& sources) {
+  std::vector<ChainLink> links;
   for (std::uint32_t at = sources.result(); at != kNoInstruction && chooses_distance(tape.code[at].op);) {
     const std::uint32_t first = sources.of(at, 0);
     const std::uint32_t second = sources.of(at, 1);
@@ -64,7 +64,7 @@ bool chooses(const Chain::Kind& kind) {
   return std::ranges::any_of(kind.body(), [](const Instruction& i) { return chooses_distance(i.op); });
 }
 
-std::optional<Chain::Kind> OperandReader::read(std::uint32_t last, const Link& link) const {
+std::optional<Chain::Kind> OperandReader::read(std::uint32_t last, const ChainLink& link) const {
   const std::uint32_t length = combines(tape_.code[link.at].op) ? length_of(last) : 0;
   if (length == 0) return std::nullopt;
   Chain::Kind kind;
@@ -121,7 +121,7 @@ std::uint16_t OperandReader::renamed(std::uint32_t source, std::uint16_t taken, 
   return own.out[k];
 }
 
-void OperandReader::read_combine(const Link& link, Chain::Kind& kind) const {
+void OperandReader::read_combine(const ChainLink& link, Chain::Kind& kind) const {
   const Instruction& taken = tape_.code[link.at];
   Instruction& combine = kind.instructions[kind.length];
   combine.op = taken.op;

@@ -36,7 +36,7 @@ class Sources {
 };
 
 /// What chooses between what has been taken up so far and one operand more.
-struct Link {
+struct ChainLink {
   std::uint32_t at;
   std::uint32_t taken_up;  ///< what made it; likewise the next
   std::uint32_t operand;
@@ -49,7 +49,7 @@ inline bool unites(const Tape& tape, std::uint32_t at) {
 }
 
 /// The links from the operand to which most of a tape is added to the result. O(links).
-std::vector<Link> links_of(const Tape& tape, const Sources& sources);
+std::vector<ChainLink> links_of(const Tape& tape, const Sources& sources);
 
 /// Does what makes an operand choose between parts of it?
 bool chooses(const Chain::Kind& kind);
@@ -65,13 +65,13 @@ class OperandReader {
 
   /// Of the operand that ends with an instruction and is taken up by a link, if lanes can run it. Registers are those of the
   /// operand alone, whatever they are in the tape. O(1).
-  std::optional<Chain::Kind> read(std::uint32_t last, const Link& link) const;
+  std::optional<Chain::Kind> read(std::uint32_t last, const ChainLink& link) const;
 
  private:
   std::uint32_t length_of(std::uint32_t last) const;
   void read_body(std::uint32_t head, Chain::Kind& kind) const;
   std::uint16_t renamed(std::uint32_t source, std::uint16_t taken, const Instruction& own) const;
-  void read_combine(const Link& link, Chain::Kind& kind) const;
+  void read_combine(const ChainLink& link, Chain::Kind& kind) const;
 
   const Tape& tape_;
   const Sources& sources_;
