@@ -1,4 +1,4 @@
-"""Shapes of many parts, for tests of programs that are run in parts: kinds of nodes, crowds, what stands beside them."""
+"""Shapes of many parts, for tests of programs that are run in parts: all kinds of nodes, and crowds."""
 
 from __future__ import annotations
 
