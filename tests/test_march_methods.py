@@ -224,6 +224,18 @@ def test_longer_steps_and_cones_need_fewer_evaluations(name: str):
     assert counts["relaxed"] < 1.1 * counts["plain"]
 
 
+def test_long_programs_have_cones_about_few_pixels_too():
+    """They save evaluations that cost more than they do; of a short program those cost too little."""
+    blocks = SIZE[0] * SIZE[1] // 64
+    counts = {name: picture(name).stats["stages"]["cones"]["count"] for name in SCENES}
+    assert counts["twisted"] == counts["blend"] == blocks
+    assert counts["crowd"] == (1 + 4 + 16) * blocks
+    found, alone = (picture("crowd", method=method).stats["stages"] for method in ("auto", "enhanced"))
+    evaluations = found["primary"]["evaluations"] + found["cones"]["evaluations"]
+    assert evaluations < 0.45 * alone["primary"]["evaluations"]
+    assert found["primary"]["evaluations"] < 0.3 * alone["primary"]["evaluations"]
+
+
 CAMERAS = {
     "perspective": om.Camera((3, 2, 4), (0, 0, 0)),
     "wide": om.Camera((0.5, 1.5, 2), (0, 0, 0), fov=150),
@@ -290,9 +302,9 @@ def test_cones_change_no_hit(name: str, camera: str, precision: str):
             assert near <= 1.25 * nearer + 1e-6
 
 
+@pytest.mark.parametrize("shape", [blend(), crowd()], ids=["blend", "crowd"])
 @pytest.mark.parametrize("camera", CAMERAS)
-def test_crops_and_samples_of_cones_have_the_bits_of_the_whole(camera: str, precision: str):
-    shape = blend()
+def test_crops_and_samples_of_cones_have_the_bits_of_the_whole(camera: str, shape: om.Shape, precision: str):
     options = {"precision": precision, "planes": tuple(PLANES)}
     for samples in (1, 3):
         whole = cast(shape, camera, "auto", samples=samples, **options)
@@ -317,9 +329,10 @@ def test_cones_do_not_enter_what_is_no_number():
 
 
 def test_rays_that_begin_in_the_solid_are_inside_with_cones_too(precision: str):
-    for start in (0.0, 1.5):
+    many = om.spheres(np.random.default_rng(5).uniform(20, 30, (100, 3)), np.full(100, 0.1))
+    solid, thick = om.sphere(0.8), om.sphere(2.0).shell(1.2)
+    for shape, start in ((solid, 0.0), (thick, 1.5), (solid | many, 0.0), (thick | many, 1.5)):
         camera = om.Camera((0, 0, 0), (0, 0, -1), fov=60)
-        shape = om.sphere(0.8) if start == 0 else om.sphere(2.0).shell(1.2)
         image = om.render(
             shape, camera, (32, 32), march=om.March(min_distance=start), precision=precision, planes=("status",)
         )

@@ -91,6 +91,7 @@ enum class Stepping : std::uint8_t {
   kShadow,     ///< the same for shadow rays, but by the whole field in and near penumbras
   kFixed,      ///< by the field less a bias, but `step` and the hit epsilon at the least, into the solid
   kCertified,  ///< as kEnhanced, by what the field proves in spite of its roundings; see CertifiedSteps
+  kCone,       ///< by the field less a cone's width, the ray being its axis; see ConeSteps
 };
 
 template <class Real>
@@ -200,18 +201,25 @@ struct ChainStep {
   std::uint64_t left;
 };
 
-/// Cones about blocks of rays: points o + t·d, from which no ray of the block is farther than width + t·spread.
+/// Cones about neighbouring rays: points o + t·d, from which none of its rays is farther than width + t·spread.
 template <class Real>
 struct ConeView {
-  std::size_t count;
   Vectors<Real> origin;
   Vectors<Real> direction;
   Real* width;
   Real* spread;
   Real* epsilon;  ///< the largest of the rays'
   Real* t_max;    ///< likewise
-  Real* t;
 };
+
+/// Cones of 4×4 and of 2×2 pixels in a block of camera rays.
+inline constexpr std::size_t kSmallCones = 4, kSmallestCones = 16;
+/// Of a block's smallest cones, the one about a lane. The k-th of those in small cone c has the index c + kSmallCones·k.
+constexpr std::size_t smallest_cone_about(std::size_t lane) {
+  const std::size_t column = lane_column(lane);
+  const std::size_t row = lane_row(lane);
+  return column / 4 + row / 4 * 2 + kSmallCones * (column / 2 % 2 + row / 2 % 2 * 2);
+}
 
 /// Half-spaces: the distance is x·e₀ + y·e₁ + z·e₂ + e₃, e₀ … e₂ being a unit normal.
 template <class Real>
@@ -299,14 +307,11 @@ struct MaterialView {
 template <class Real>
 struct KernelTable {
   void (*camera_rays)(const CameraView<Real>&, const TileView&, const Vectors<Real>& out);
-  /// Puts a cone about each block of kLanes rays, t at t_min. Rays that are NaN count for nothing; without any a cone is NaN.
-  void (*fit_cones)(const RayView<Real>&, const MarchParameters<Real>&, const ConeView<Real>&);
-  /// The points of cones at their t.
-  void (*cone_points)(const ConeView<Real>&, const Vectors<Real>& points);
-  /// Moves cones on, up to where none of their rays meets anything, from the field at their points. `live`: bit = cone, of
-  /// 64 at the most; returns which go on, the others being so narrow that rays gain little.
-  std::uint64_t (*step_cones)(const ConeView<Real>&, const MarchParameters<Real>&, const Real* field,
-                              std::uint64_t live);
+  /// Puts a cone about each block of kLanes rays. Rays that are NaN count for nothing; without any a cone is NaN.
+  void (*fit_cones)(const RayView<Real>&, const ConeView<Real>&);
+  /// The same for each 4×4 and each 2×2 pixels of one block of camera rays, its kSmallCones and kSmallestCones.
+  void (*fit_small_cones)(const RayView<Real>&, std::size_t block, const ConeView<Real>& small,
+                          const ConeView<Real>& smallest);
   /// `met`: the t at which each ray enters the first of the planes: t_min where it begins within the hit epsilon of one, +∞
   /// where it enters none. `end`: the lesser of that and its t_max. rays.start is not read.
   void (*meet_planes)(const PlanesView<Real>&, const RayView<Real>&, const MarchParameters<Real>&, Real* met,

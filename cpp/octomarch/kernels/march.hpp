@@ -342,6 +342,7 @@ void with_task(const MarchParameters<Real>& parameters, Run&& run) {
     case Stepping::kEnhanced: return run_steps(LongSteps<Real, Stepping::kEnhanced>(parameters));
     case Stepping::kFixed: return run_steps(FixedSteps<Real>(parameters));
     case Stepping::kCertified: return run_steps(CertifiedSteps<Real>(parameters));
+    case Stepping::kCone: return run_steps(ConeSteps<Real>(parameters));
     case Stepping::kShadow: return;  // of shadow rays alone
   }
 }
@@ -359,7 +360,8 @@ void with_shadow_task(const MarchParameters<Real>& parameters, Run&& run) {
     case Stepping::kFixed: return run_steps(FixedSteps<Real>(parameters));
     case Stepping::kRelaxed:
     case Stepping::kEnhanced:
-    case Stepping::kCertified: return;  // of other rays
+    case Stepping::kCertified:
+    case Stepping::kCone: return;  // of other rays
   }
 }
 

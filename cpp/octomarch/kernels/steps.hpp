@@ -223,4 +223,26 @@ struct CertifiedSteps {
   }
 };
 
+/// Steps of a cone about its axis: where the field is r, all its rays are free as far as t + r less the cone's width there. It ends
+/// where it would gain less than a quarter of its width, or no more than rays take for a hit. The state's `carried` is the width
+/// at its origin, `stride` what is added for each unit of t; they stay.
+template <class Real>
+struct ConeSteps {
+  using T = Lanes<Real>;
+  static constexpr Finish kFinish = Finish::kNone;
+  static constexpr bool kIsRelaxed = true;
+  T bias;
+
+  explicit ConeSteps(const MarchParameters<Real>& parameters) : bias(parameters.bias) {}
+
+  Step<Real> advance(BlockState<Real>& state, std::size_t lane, const T& t, const T& r, const T& epsilon,
+                     const T& t_max) const {
+    const T margin = Real(1.01);  // for what rounding adds to the width
+    const T width = (T::load(state.carried + lane) + T::load(state.stride + lane) * t) * margin;
+    const T gain = r - bias - width - epsilon;
+    const Mask<Real> goes_on = (gain > width * T(Real(0.25))) & (gain > epsilon) & (t <= t_max);
+    return {goes_on, select(goes_on, t + gain, t)};
+  }
+};
+
 }  // namespace octomarch::kernels::OCTOMARCH_ISA

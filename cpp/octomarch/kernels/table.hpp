@@ -18,8 +18,7 @@ constexpr KernelTable<Real> make_table() {
   return {
       .camera_rays = &camera_rays<Real>,
       .fit_cones = &fit_cones<Real>,
-      .cone_points = &cone_points<Real>,
-      .step_cones = &step_cones<Real>,
+      .fit_small_cones = &fit_small_cones<Real>,
       .meet_planes = &meet_planes<Real>,
       .take_planes = &take_planes<Real>,
       .dim_by_planes = &dim_by_planes<Real>,

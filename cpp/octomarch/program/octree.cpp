@@ -90,6 +90,7 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
     : tape_(tape),
       chain_(Chain::of(tape)),
       table_(chain_ ? chain_->table<Real>(tape) : std::vector<Real>{}),
+      shortcuts_(chain_ ? Shortcuts<Cell, kLevels>(chain_->operands()) : Shortcuts<Cell, kLevels>()),
       focus_size_(static_cast<Real>(longest_side(focus))),
       most_bytes_(most_bytes),
       constants_(is_one_list() ? std::vector<std::uint32_t>{} : constant_offsets(tape)) {
@@ -122,7 +123,8 @@ Octree<Real>::Octree(const Tape& tape, const Aabb& focus, std::size_t most_bytes
   cells_ = 1 + tops_.size();
   bytes_ = sizeof(*this) + tops_.size() * sizeof(Top) + constants_.size() * sizeof(std::uint32_t) +
            whole_.code.size() * (sizeof(Instruction) + sizeof(std::uint32_t)) +
-           all_operands_.size() * sizeof(std::uint32_t) + table_.size() * sizeof(Real) + (chain_ ? chain_->bytes() : 0);
+           all_operands_.size() * sizeof(std::uint32_t) + table_.size() * sizeof(Real) +
+           (chain_ ? chain_->bytes() : 0) + shortcuts_.bytes();
 }
 
 template <class Real>
@@ -226,6 +228,7 @@ typename Octree<Real>::Cell& CellMaker<Real>::child(Cell& parent, const Place& p
 template <class Real>
 typename Octree<Real>::Cell* CellMaker<Real>::make(const Cell& parent, const Place& place, Arena& arena) {
   Cell* const cell = arena.make<Cell>();
+  cell->level = static_cast<std::uint8_t>(place.level);
   const Region<Real> region = place.region();
   const std::optional<TapePart> part = prune(parent.part, region, octree_.margins(*place.top, parent.part));
   const std::uint32_t before = parent.part.length;

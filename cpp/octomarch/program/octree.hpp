@@ -21,6 +21,7 @@
 #include "octomarch/program/chain.hpp"
 #include "octomarch/program/packed_part.hpp"
 #include "octomarch/program/prune.hpp"
+#include "octomarch/program/shortcuts.hpp"
 
 namespace octomarch {
 
@@ -46,6 +47,7 @@ class Octree {
     std::atomic<float> regret{0.0F};
     std::uint8_t stalled = 0;  ///< ancestors in a row, and itself, that left much of what they had
     bool is_leaf = false;
+    std::uint8_t level = 0;  ///< see Place
 
     /// A child, if it has been made. `octant`: bit 0 is set for the upper half along x, bit 1 along y, bit 2 along z.
     Cell* child(unsigned octant) const {
@@ -124,6 +126,8 @@ class Octree {
   }
   /// Of the chain's operands, Chain::table().
   const Real* table() const { return table_.data(); }
+  /// To cells of the first of the tops, where there is a chain.
+  Shortcuts<Cell, kLevels>& shortcuts() { return shortcuts_; }
   Unpacker unpacker() const { return Unpacker(constants_, chain()); }
   static constexpr unsigned kWayBits = 3 * kLevels;
 
@@ -149,6 +153,7 @@ class Octree {
   std::optional<Chain> chain_;
   std::vector<Real> table_;
   std::vector<std::uint32_t> all_operands_;
+  Shortcuts<Cell, kLevels> shortcuts_;
   Real focus_size_;
   std::size_t most_bytes_;
   HeldPart whole_;  ///< where the tape is more than its chain

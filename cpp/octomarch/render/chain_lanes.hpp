@@ -36,10 +36,6 @@ class ChainLanes {
   /// The field at each lane's point, once a kernel has run.
   const Real* field() const { return block_.registers + chain_.taken_up * kLanes; }
 
-  /// Forgets where lanes were: cells that are made for the moment may be gone.
-  void forget_cells() {
-    for (Path& path : paths_) path.top = nullptr;
-  }
   /// Lets lanes that nobody needs take up one operand, the least: those of the others decide how long a block runs.
   void clear(std::uint64_t lanes) {
     for_each_lane(lanes, [&](std::size_t lane) { set_operands(lane, 1); });
@@ -65,16 +61,14 @@ class ChainLanes {
   static constexpr unsigned kLevels = Octree<Real>::kLevels;
 
   /// Parts as short as this are not looked for any deeper, if they fit.
-  static constexpr std::uint32_t kShort = 40;
+  static constexpr std::uint32_t kShort = 52;
 
-  /// The cell of a lane and those above it.
+  /// Where a lane is, and the cell that it has come to.
   struct Path {
     typename Octree<Real>::Top* top = nullptr;
     std::array<std::uint32_t, 3> at{};  ///< a place in it, in smallest cells
-    unsigned depth = 0;                 ///< its level
-    std::array<Cell*, kLevels + 1> cells{};
+    Cell* cell = nullptr;
 
-    Cell& cell() const { return *cells[depth]; }
     Place place(unsigned level) const {
       Place place{top, level, at};
       for (std::uint32_t& corner : place.corner) corner &= ~std::uint32_t{0} << (kLevels - level);
@@ -82,20 +76,20 @@ class ChainLanes {
     }
     /// Of the place, in the cell.
     unsigned octant() const {
-      const unsigned shift = kLevels - 1 - depth;
+      const unsigned shift = kLevels - 1 - cell->level;
       return (at[0] >> shift & 1U) | (at[1] >> shift & 1U) << 1U | (at[2] >> shift & 1U) << 2U;
     }
   };
 
-  /// All go down level by level, so that they wait for memory together. A step down reads two lines.
+  /// All go down level by level, so that they wait for memory together. A step down reads two lines, a shortcut one.
   std::uint64_t find_cells(std::uint64_t lanes) {
     std::uint64_t found = 0;
     std::uint64_t above = 0;
-    for_each_lane(lanes, [&](std::size_t lane) { above |= std::uint64_t{goes_up(lane)} << lane; });
+    for_each_lane(lanes, [&](std::size_t lane) { above |= std::uint64_t{begins(lane)} << lane; });
     while (above != 0) {
       std::uint64_t below = 0;
       for_each_lane(above, [&](std::size_t lane) {
-        const Cell& cell = paths_[lane].cell();
+        const Cell& cell = *paths_[lane].cell;
         if (cell.is_leaf || (cell.part.length <= kShort && choice_.fits_lanes(cell))) {
           found |= std::uint64_t{is_ready(cell)} << lane;
         } else {
@@ -108,44 +102,41 @@ class ChainLanes {
         Path& path = paths_[lane];
         if (Cell* const child = child_of(path)) {
           __builtin_prefetch(child);
-          path.cells[++path.depth] = child;
+          path.cell = child;
           above |= std::uint64_t{1} << lane;
         } else {
-          found |= std::uint64_t{is_ready(path.cell())} << lane;
+          found |= std::uint64_t{is_ready(*path.cell)} << lane;
         }
       });
     }
     return found;
   }
 
-  /// Goes up from a lane's cell to one in which its point is; false where it is in none.
-  bool goes_up(std::size_t lane) {
+  /// The way down begins at the smallest cell that is known; false where a lane's point is in none.
+  bool begins(std::size_t lane) {
     const Real* const point = block_.registers + lane;
-    std::array<std::uint32_t, 3> at;
-    auto* const top = choice_.octree().find(point[0], point[kLanes], point[2 * kLanes], at);
-    if (top == nullptr) return false;
     Path& path = paths_[lane];
-    if (top == path.top) {
-      const std::uint32_t apart = (at[0] ^ path.at[0]) | (at[1] ^ path.at[1]) | (at[2] ^ path.at[2]);
-      path.depth = std::min(path.depth, kLevels - static_cast<unsigned>(std::bit_width(apart)));
-    } else {
-      path.top = top;
-      path.cells[0] = &top->cell;
-      path.depth = 0;
-    }
-    path.at = at;
+    path.top = choice_.octree().find(point[0], point[kLanes], point[2 * kLanes], path.at);
+    if (path.top == nullptr) return false;
+    path.cell = is_first(path.top) ? shortcuts_.find(path.at) : nullptr;
+    if (path.cell == nullptr) path.cell = &path.top->cell;
+    __builtin_prefetch(path.cell);
     return true;
   }
 
+  bool is_first(const typename Octree<Real>::Top* top) const { return top == choice_.octree().tops().data(); }
+
   /// The child in which a path's place is, made if that is worth it, else null.
   Cell* child_of(const Path& path) {
-    Cell& cell = path.cell();
+    Cell& cell = *path.cell;
     const unsigned octant = path.octant();
-    Cell* child = cell.child(octant);
-    if (child == nullptr && choice_.is_worth_making_alone(cell, octant)) {
-      child = &choice_.child(cell, path.place(path.depth + 1), octant);
+    if (Cell* const child = cell.child(octant)) {
+      if (is_first(path.top) && child->level <= shortcuts_.levels()) shortcuts_.remember(path.at, *child);
+      return child;
     }
-    return child;
+    // which may be for the moment only
+    if (!choice_.is_worth_making_alone(cell, octant)) return nullptr;
+    return &choice_.child(cell, path.place(cell.level + 1U), octant);
   }
 
   bool is_ready(const Cell& cell) const {
@@ -156,8 +147,8 @@ class ChainLanes {
   /// Copies region and operands of a lane's cell.
   void take(std::size_t lane) {
     const Path& path = paths_[lane];
-    const TapePart& part = path.cell().part;
-    const Region<Real> region = path.place(path.depth).region();
+    const TapePart& part = path.cell->part;
+    const Region<Real> region = path.place(path.cell->level).region();
     block_.lo.x[lane] = region.lo[0];
     block_.lo.y[lane] = region.lo[1];
     block_.lo.z[lane] = region.lo[2];
@@ -204,6 +195,7 @@ class ChainLanes {
   }
 
   CellChoice<Real>& choice_;
+  Shortcuts<Cell, kLevels>& shortcuts_;
   std::vector<kernels::KindView<Real>> kinds_;
   kernels::ChainView<Real> chain_{};
   TakeOperands take_operands_;
@@ -213,7 +205,7 @@ class ChainLanes {
 };
 
 template <class Real>
-ChainLanes<Real>::ChainLanes(CellChoice<Real>& choice) : choice_(choice) {
+ChainLanes<Real>::ChainLanes(CellChoice<Real>& choice) : choice_(choice), shortcuts_(choice.octree().shortcuts()) {
   const Real* const table = choice.octree().table();
   const Chain& chain = *choice.octree().chain();
   for (const Chain::Kind& kind : chain.kinds()) {

@@ -38,7 +38,6 @@ class ChainMarch {
     steps_ = 0;
     deadline_ = std::numeric_limits<std::int64_t>::max();
     lanes_.clear(~std::uint64_t{0});  // a march that was cancelled left some
-    lanes_.forget_cells();
     kernels::ChainBlock<Real>& block = lanes_.block();
     std::uint64_t live = enter(refill(~std::uint64_t{0}));
     while (live != 0 && !is_set(*parameters.cancelled)) {

@@ -170,18 +170,23 @@ void Field<Real>::march_all(const Rays& rays, const Parameters& parameters, cons
 }
 
 template <class Real>
-void Field<Real>::march_limited(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch,
-                                std::int32_t* steps, StageStats& stage) {
-  const kernels::MarchState<Real> state = batch.state(steps);
-  std::uint8_t* const status = batch.status.data();
-  const bool is_fixed = parameters.stepping == kernels::Stepping::kFixed;
-  kernels_.begin_march(rays, parameters, is_fixed ? Real(0) : kernels::kNothingBefore<Real>, state);
+void Field<Real>::march_states(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage) {
   march_all(
       rays, parameters, state, stage,
       [&](const kernels::TapeView<Real>& tape, const auto&... rest) {
         counted(tape, stage.work, [&] { kernels_.march(tape, rest..., stage.work); });
       },
       [&](const auto&... all) { return kernels_.step_chain(all..., stage.work); });
+}
+
+template <class Real>
+void Field<Real>::march_limited(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch,
+                                std::int32_t* steps, StageStats& stage) {
+  const kernels::MarchState<Real> state = batch.state(steps);
+  std::uint8_t* const status = batch.status.data();
+  const bool is_fixed = parameters.stepping == kernels::Stepping::kFixed;
+  kernels_.begin_march(rays, parameters, is_fixed ? Real(0) : kernels::kNothingBefore<Real>, state);
+  march_states(rays, parameters, state, stage);
   kernels_.conclude(rays, parameters, state, status);
   if (!parameters.finish || parameters.stepping == kernels::Stepping::kCertified) return;
   if (is_fixed) {

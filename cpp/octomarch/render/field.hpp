@@ -3,6 +3,7 @@
 // and before every stage.
 #pragma once
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -83,13 +84,13 @@ class Field {
     return clips_to_bounds_ && is_bounded(program_.site().bounds) && !is_empty(program_.site().bounds);
   }
   kernels::PlanesView<Real> planes() const { return {planes_.data(), planes_.size() / 4}; }
-  void march_cones(const Rays& rays, const Parameters& parameters, StageStats& stage);
-  std::uint64_t enter_bounds(const Parameters& parameters, std::size_t count);
   /// Marches until all rays have ended, by the kernels run(tape, memory, rays, parameters, region, state) and
   /// step(chain, block, live, parameters).
   template <class Run, class Step>
   void march_all(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage, Run&& run,
                  Step&& step);
+  /// By the kernels for what is no shadow ray.
+  void march_states(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage);
   /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_.
   template <class Function>
   void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
@@ -97,12 +98,36 @@ class Field {
   void follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                       const kernels::MarchState<Real>& state, const std::uint8_t* status, StageStats& stage);
 
-  /// Cones about the blocks of a batch.
+  /// Cones about neighbouring rays, with what their march works on.
   struct Cones {
-    static constexpr std::size_t kMost = kernels::kLanes;
-    VectorBuffer<Real> origin{kMost}, direction{kMost};
-    Buffer<Real> width{kMost}, spread{kMost}, epsilon{kMost}, t_max{kMost}, t{kMost};
+    explicit Cones(std::size_t size);
+    kernels::ConeView<Real> view() {
+      return {origin.view(), direction.view(), width.data(), spread.data(), epsilon.data(), t_max.data()};
+    }
+    /// The i-th is in the one around, and goes on from its end.
+    void begin_within(const Cones& around, std::size_t one, std::size_t i) {
+      t[i] = around.t[one];
+      t_max[i] = std::min(t_max[i], around.t_max[one]);
+    }
+    State state() {
+      return {t.data(), radius.data(), width.data(), spread.data(), boldness.data(), pause.data(), nullptr};
+    }
+
+    VectorBuffer<Real> origin, direction;
+    Buffer<Real> width, spread, epsilon, t_max, t;
+    Buffer<Real> radius, boldness;
+    Buffer<std::uint8_t> pause;
   };
+  /// About so many rays at the most. `tape`: of the field.
+  struct ConesOfTile {
+    ConesOfTile(std::size_t rays, const Tape& tape);
+
+    Cones of_blocks;
+    std::optional<Cones> small, smallest;  ///< where the tape is long
+  };
+  void enter_bounds(Cones& cones, std::size_t count, const Parameters& parameters) const;
+  void march_small_cones(const Rays& rays, std::size_t blocks, const Parameters& parameters, StageStats& stage);
+  void march_cones(const Rays& rays, Cones& cones, std::size_t count, Parameters parameters, StageStats& stage);
 
   const Program& program_;
   const Octree<Real>* octree_;
@@ -112,7 +137,7 @@ class Field {
   std::optional<LoadedTape<Real>> gradient_;
   VectorBuffer<Real> points_;
   Buffer<Real> values_, ends_;
-  Cones cones_;
+  std::optional<ConesOfTile> cones_;  ///< once they are asked for
   KernelSampler<Real> sampler_;
   std::optional<CellChoice<Real>> choice_;
   std::optional<CellGroups<Real>> groups_;

@@ -1,9 +1,11 @@
 // The prepass of a field's camera rays: cones about their blocks, from where they enter the solid's bounds. field.cpp marches
 // the rays from where these end.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 
-#include "octomarch/base/parallel.hpp"
 #include "octomarch/render/field.hpp"
 
 namespace octomarch {
@@ -18,78 +20,144 @@ Real at(const kernels::Column<Real>& column, std::size_t i) {
 /// Rays that pass the solid's bounds by more than so many hit epsilons hit nothing.
 constexpr double kRoomForHits = 4.0;
 
+/// Of a block's smallest cones those about each lane.
+constexpr auto kConesAbout = [] {
+  std::array<std::uint8_t, kernels::kLanes> cones{};
+  for (std::size_t lane = 0; lane < cones.size(); ++lane) {
+    cones[lane] = static_cast<std::uint8_t>(kernels::smallest_cone_about(lane));
+  }
+  return cones;
+}();
+
+/// Of tapes as long as this an evaluation costs so much more than a ray by itself that cones of fewer pixels are worth theirs.
+constexpr std::size_t kLong = 48;
+
 }  // namespace
 
 template <class Real>
-void Field<Real>::advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
-                                   RayBatch<Real>& batch, StageStats& stage) {
+Field<Real>::Cones::Cones(std::size_t size)
+    : origin(size),
+      direction(size),
+      width(size),
+      spread(size),
+      epsilon(size),
+      t_max(size),
+      t(size),
+      radius(size),
+      boldness(size),
+      pause(size) {}
+
+template <class Real>
+Field<Real>::ConesOfTile::ConesOfTile(std::size_t rays, const Tape& tape)
+    : of_blocks(kernels::padded_lanes(rays / kernels::kLanes)) {
+  if (tape.code.size() < kLong) return;
+  small.emplace(kernels::padded_lanes(rays / kernels::kLanes * kernels::kSmallCones));
+  smallest.emplace(kernels::padded_lanes(rays / kernels::kLanes * kernels::kSmallestCones));
+}
+
+template <class Real>
+void Field<Real>::advance_together(const Rays& rays, const Parameters& parameters, RayBatch<Real>& batch,
+                                   StageStats& stage) {
   if (!planes_.empty()) {
     meet_planes(rays, parameters, batch);
     if (rest_) rest_->advance_together(ending_at(batch.end, rays), parameters, batch, stage);
     return;
   }
-  constexpr std::size_t kRays = Cones::kMost * kernels::kLanes;
-  for (std::size_t first = 0; first < rays.count; first += kRays) {
-    const std::size_t count = std::min(kRays, rays.count - first);
-    march_cones(rays.from(first, count), parameters, stage);
-    for (std::size_t i = 0; i < count; i += kernels::kLanes) {
-      std::fill_n(batch.start.data() + first + i, kernels::kLanes, cones_.t[i / kernels::kLanes]);
-      if (!has_bounds()) continue;
-      const Real leave = cones_.t_max[i / kernels::kLanes];
-      for (std::size_t ray = first + i; ray < first + i + kernels::kLanes; ++ray) {
-        batch.end[ray] = std::min(leave, at(rays.t_max, ray));
-      }
-    }
-  }
-}
-
-/// Marches a cone about each block of rays, of kLanes blocks at the most.
-template <class Real>
-void Field<Real>::march_cones(const Rays& rays, const Parameters& parameters, StageStats& stage) {
+  if (!cones_) cones_.emplace(batch.t.size(), program_.distance());
+  Cones& blocks = cones_->of_blocks;
   const std::size_t count = rays.count / kernels::kLanes;
-  stage.count += count;
-  const kernels::ConeView<Real> cones{count,
-                                      cones_.origin.view(),
-                                      cones_.direction.view(),
-                                      cones_.width.data(),
-                                      cones_.spread.data(),
-                                      cones_.epsilon.data(),
-                                      cones_.t_max.data(),
-                                      cones_.t.data()};
-  Parameters from_start = parameters;
-  from_start.t_min = rays.start.value;
-  kernels_.fit_cones(rays, from_start, cones);
-  std::uint64_t live = enter_bounds(parameters, count);
-  for (int step = 0; live != 0 && step < parameters.max_steps && !is_set(*parameters.cancelled); ++step) {
-    kernels_.cone_points(cones, points_.view());
-    for (std::size_t i = 0; i < count; ++i) {  // those that have ended need no evaluation
-      if ((live >> i & 1U) == 0) points_.x[i] = std::numeric_limits<Real>::quiet_NaN();
+  kernels_.fit_cones(rays, blocks.view());
+  std::fill_n(blocks.t.data(), count, parameters.t_min);
+  if (has_bounds()) enter_bounds(blocks, count, parameters);
+  march_cones(rays, blocks, count, parameters, stage);
+  for (std::size_t block = 0; has_bounds() && block < count; ++block) {
+    const Real leave = blocks.t_max[block];
+    for (std::size_t i = block * kernels::kLanes; i < (block + 1) * kernels::kLanes; ++i) {
+      batch.end[i] = std::min(leave, at(rays.t_max, i));
     }
-    distance(points_.read(), count, *parameters.cancelled, values_.data(), stage);
-    stage.work.evaluations += static_cast<std::uint64_t>(__builtin_popcountll(live));
-    live = kernels_.step_cones(cones, parameters, values_.data(), live);
+  }
+  if (cones_->small) march_small_cones(rays, count, parameters, stage);
+  const auto number_or = [](Real t, Real other) { return t == t ? t : other; };
+  for (std::size_t block = 0; block < count; ++block) {
+    Real* const start = batch.start.data() + block * kernels::kLanes;
+    const Real together = number_or(blocks.t[block], parameters.t_min);
+    if (!cones_->small) {
+      std::fill_n(start, kernels::kLanes, together);
+      continue;
+    }
+    const Real* const t = cones_->smallest->t.data() + block * kernels::kSmallestCones;
+    for (std::size_t lane = 0; lane < kernels::kLanes; ++lane) start[lane] = number_or(t[kConesAbout[lane]], together);
   }
 }
 
-/// Moves cones to where they enter the solid's bounds, and their ends to where they leave them; those that miss them end before
-/// they begin. Returns which are left. Bounds are widened by how wide a cone is at their far end.
+/// From the ends of the cones about blocks on.
 template <class Real>
-std::uint64_t Field<Real>::enter_bounds(const Parameters& parameters, std::size_t count) {
-  std::uint64_t live = ~std::uint64_t{0} >> (kernels::kLanes - count);
-  if (!has_bounds()) return live;
+void Field<Real>::march_small_cones(const Rays& rays, std::size_t blocks, const Parameters& parameters,
+                                    StageStats& stage) {
+  auto& [of_blocks, small, smallest] = *cones_;
+  for (std::size_t block = 0; block < blocks; ++block) {
+    const bool has_ended = of_blocks.t[block] > of_blocks.t_max[block];
+    if (!has_ended) kernels_.fit_small_cones(rays, block, small->view(), smallest->view());
+  }
+  const std::size_t small_count = blocks * kernels::kSmallCones;
+  for (std::size_t i = 0; i < small_count; ++i) small->begin_within(of_blocks, i / kernels::kSmallCones, i);
+  march_cones(rays, *small, small_count, parameters, stage);
+  const std::size_t smallest_count = blocks * kernels::kSmallestCones;
+  for (std::size_t i = 0; i < smallest_count; ++i) {
+    const std::size_t block = i / kernels::kSmallestCones;
+    smallest->begin_within(*small, block * kernels::kSmallCones + i % kernels::kSmallCones, i);
+  }
+  march_cones(rays, *smallest, smallest_count, parameters, stage);
+}
+
+/// Marches cones about some rays from their t, each until it comes near to something or past its t_max. Of those that are no
+/// numbers, since some of their rays are none, t is none either.
+template <class Real>
+void Field<Real>::march_cones(const Rays& rays, Cones& cones, std::size_t count, Parameters parameters,
+                              StageStats& stage) {
+  stage.count += count;
+  const auto axis = [](const kernels::Column<Real>& of_rays, const Buffer<Real>& of_cones) {
+    return of_rays.values == nullptr ? of_rays : kernels::Column<Real>{of_cones.data(), 0};
+  };
+  const Rays axes{axis(rays.ox, cones.origin.x),
+                  axis(rays.oy, cones.origin.y),
+                  axis(rays.oz, cones.origin.z),
+                  axis(rays.dx, cones.direction.x),
+                  axis(rays.dy, cones.direction.y),
+                  axis(rays.dz, cones.direction.z),
+                  {},
+                  {cones.t_max.data(), 0},
+                  {cones.epsilon.data(), 0},
+                  count};
+  for (std::size_t i = 0; i < count; ++i) {
+    const Real sum = cones.origin.x[i] + cones.origin.y[i] + cones.origin.z[i] + cones.direction.x[i] +
+                     cones.direction.y[i] + cones.direction.z[i];
+    cones.t[i] += sum * Real(0);
+  }
+  std::fill(cones.t.data() + count, cones.t.data() + kernels::padded_lanes(count),
+            std::numeric_limits<Real>::quiet_NaN());
+  parameters.stepping = kernels::Stepping::kCone;
+  parameters.finish = false;
+  march_states(axes, parameters, cones.state(), stage);
+}
+
+/// Moves cones to where they enter the solid's bounds, and their ends to where they leave them, or before they begin where they
+/// miss them. Bounds are widened by how wide a cone is at their far end.
+template <class Real>
+void Field<Real>::enter_bounds(Cones& cones, std::size_t count, const Parameters& parameters) const {
   const Aabb box = bounds_on_grid();
   for (std::size_t i = 0; i < count; ++i) {
     const auto number = [i](const Buffer<Real>& row) { return static_cast<double>(row[i]); };
-    const Vec3 o{number(cones_.origin.x), number(cones_.origin.y), number(cones_.origin.z)};
-    const Vec3 d{number(cones_.direction.x), number(cones_.direction.y), number(cones_.direction.z)};
+    const Vec3 o{number(cones.origin.x), number(cones.origin.y), number(cones.origin.z)};
+    const Vec3 d{number(cones.direction.x), number(cones.direction.y), number(cones.direction.z)};
     const Vec3 farthest{std::max(std::fabs(box.lo.x - o.x), std::fabs(box.hi.x - o.x)),
                         std::max(std::fabs(box.lo.y - o.y), std::fabs(box.hi.y - o.y)),
                         std::max(std::fabs(box.lo.z - o.z), std::fabs(box.hi.z - o.z))};
-    const double past = length(farthest) + number(cones_.width);
-    const double epsilon = std::max(number(cones_.epsilon), static_cast<double>(parameters.epsilon_slope) * past);
-    const double room = (number(cones_.width) + number(cones_.spread) * past) * 1.01 + kRoomForHits * epsilon;
-    double enter = number(cones_.t);
-    double leave = std::min(number(cones_.t_max), past);
+    const double past = length(farthest) + number(cones.width);
+    const double epsilon = std::max(number(cones.epsilon), static_cast<double>(parameters.epsilon_slope) * past);
+    const double room = (number(cones.width) + number(cones.spread) * past) * 1.01 + kRoomForHits * epsilon;
+    double enter = number(cones.t);
+    double leave = std::min(number(cones.t_max), past);
     const auto clip = [&](double origin, double direction, double lo, double hi) {
       if (direction == 0.0) {
         if (origin < lo - room || origin > hi + room) leave = -kInfinity;
@@ -104,19 +172,19 @@ std::uint64_t Field<Real>::enter_bounds(const Parameters& parameters, std::size_
     clip(o.y, d.y, box.lo.y, box.hi.y);
     clip(o.z, d.z, box.lo.z, box.hi.z);
     if (enter <= leave) {
-      cones_.t[i] = static_cast<Real>(enter);
-      cones_.t_max[i] = static_cast<Real>(leave);
+      cones.t[i] = static_cast<Real>(enter);
+      cones.t_max[i] = static_cast<Real>(leave);
     } else if (enter > leave) {  // not where they are NaN
-      cones_.t_max[i] = Real(-1);
-      live &= ~(std::uint64_t{1} << i);
+      cones.t_max[i] = Real(-1);
     }
   }
-  return live;
 }
 
-template void Field<float>::advance_together(const kernels::RayView<float>&, const kernels::MarchParameters<float>&,
-                                             RayBatch<float>&, StageStats&);
-template void Field<double>::advance_together(const kernels::RayView<double>&, const kernels::MarchParameters<double>&,
-                                              RayBatch<double>&, StageStats&);
+#define OCTOMARCH_CONES_OF(Real)            \
+  template struct Field<Real>::ConesOfTile; \
+  template void Field<Real>::advance_together(const Rays&, const Parameters&, RayBatch<Real>&, StageStats&);
+OCTOMARCH_CONES_OF(float)
+OCTOMARCH_CONES_OF(double)
+#undef OCTOMARCH_CONES_OF
 
 }  // namespace octomarch
