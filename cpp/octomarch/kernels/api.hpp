@@ -335,8 +335,9 @@ struct KernelTable {
   /// samples. No other long steps.
   void (*march_shadow)(const TapeView<Real>&, Real* memory, const RayView<Real>&, const MarchParameters<Real>&,
                        const Region<Real>* region, const MarchState<Real>&, Counters&);
-  /// Steps rays once, those of `live`: bit = lane. The field at their samples is left in the register `taken_up` of the
-  /// chain. What other lanes hold may be overwritten.
+  /// Leaves the field at the samples of all lanes in the register `taken_up` of the chain.
+  void (*run_chain)(const ChainView<Real>&, const ChainBlock<Real>&, Counters&);
+  /// The same, and steps rays once, those of `live`: bit = lane. What other lanes hold may be overwritten.
   ChainStep (*step_chain)(const ChainView<Real>&, const ChainBlock<Real>&, std::uint64_t live,
                           const MarchParameters<Real>&, Counters&);
   ChainStep (*step_chain_shadow)(const ChainView<Real>&, const ChainBlock<Real>&, std::uint64_t live,

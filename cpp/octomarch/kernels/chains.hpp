@@ -232,6 +232,11 @@ class ChainMarcher {
 };
 
 template <class Real>
+void run_chain(const ChainView<Real>& chain, const ChainBlock<Real>& block, Counters& counters) {
+  ChainEvaluator<Real>(chain, block).run(counters);
+}
+
+template <class Real>
 ChainStep step_chain(const ChainView<Real>& chain, const ChainBlock<Real>& block, std::uint64_t live,
                      const MarchParameters<Real>& parameters, Counters& counters) {
   ChainStep step{};

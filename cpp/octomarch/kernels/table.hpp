@@ -26,6 +26,7 @@ constexpr KernelTable<Real> make_table() {
       .begin_march = &begin_march<Real>,
       .march = &march<Real>,
       .march_shadow = &march_shadow<Real>,
+      .run_chain = &run_chain<Real>,
       .step_chain = &step_chain<Real>,
       .step_chain_shadow = &step_chain_shadow<Real>,
       .visibility = &visibility<Real>,

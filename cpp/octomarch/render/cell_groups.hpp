@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "octomarch/render/cell_choice.hpp"
@@ -30,13 +31,15 @@ class CellGroups {
 
   /// Groups `count` elements, Way::kMost at the most; point(i) returns the coordinates of the i-th as an array of three.
   /// Those that are NaN are left out. Making cells can take long: where that is cancelled groups are as large as they
-  /// are by then. Counts cells for `stage`.
+  /// are by then. `some_alone`: those that had better run parts of their own are in no group. Counts cells for `stage`.
   template <class Point>
-  void sort(std::size_t count, const bool& cancelled, StageStats& stage, Point&& point) {
+  void sort(std::size_t count, bool some_alone, const bool& cancelled, StageStats& stage, Point&& point) {
     choice_.begin(kStayOfPoint, cancelled, stage);
     Octree<Real>& octree = choice_.octree();
     groups_.clear();
     place_of_.clear();
+    alone_.clear();
+    some_alone_ = some_alone;
     places_ = 0;
     ways_.clear();
     for (std::size_t i = 0; i < count; ++i) {
@@ -56,6 +59,8 @@ class CellGroups {
   }
 
   const std::vector<CellGroup<Real>>& groups() const { return groups_; }
+  /// In no group.
+  std::span<const std::uint32_t> alone() const { return alone_; }
   /// What is to be run for a group, until the next call.
   TapePart part(const CellGroup<Real>& group) { return choice_.part(*group.cell); }
   /// Places that all groups take, with the gaps between them.
@@ -63,15 +68,24 @@ class CellGroups {
   /// Calls f(element, place) for each that is in a group.
   template <class Function>
   void for_each_place(Function&& f) const {
-    for (std::size_t k = 0; k < place_of_.size(); ++k) f(ways_.element(k), std::size_t{place_of_[k]});
+    for (std::size_t k = 0; k < place_of_.size(); ++k) {
+      if (place_of_[k] != kNowhere) f(ways_.element(k), std::size_t{place_of_[k]});
+    }
   }
 
  private:
   using Cell = typename Octree<Real>::Cell;
   using Place = typename Octree<Real>::Place;
+  static constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
+  /// A point takes constants for one evaluation, where a ray has several: as few are worth it as if there were so many rays.
+  static constexpr std::size_t kAsRays = 2;
 
   /// Groups the elements of [begin, end), which lie in a cell.
   void split(Cell& cell, const Place& place, std::size_t begin, std::size_t end) {
+    if (some_alone_ && choice_.go_alone(cell, kAsRays * (end - begin))) {
+      for (std::size_t k = begin; k < end; ++k) alone_.push_back(static_cast<std::uint32_t>(ways_.element(k)));
+      return place_of_.resize(end, kNowhere);
+    }
     if (cell.is_leaf) return add_group(cell, place.region(), begin, end);
     std::array<std::size_t, 9> bounds;
     ways_.find_octants(place.level, begin, end, bounds);
@@ -101,6 +115,8 @@ class CellGroups {
   SortedWays ways_;
   std::vector<CellGroup<Real>> groups_;
   std::vector<std::uint32_t> place_of_;  ///< by the order
+  std::vector<std::uint32_t> alone_;
+  bool some_alone_ = false;
   std::size_t places_ = 0;
 };
 

@@ -64,6 +64,9 @@ class CellMarch {
     if (state.steps != nullptr) std::copy_n(taken_.data(), rays.count, state.steps);
   }
 
+  /// For whoever wants to run parts of the tape's chain between marches; null where it has none.
+  ChainLanes<Real>* lanes() { return alone_ ? &alone_->lanes() : nullptr; }
+
  private:
   static Real at(const kernels::Column<Real>& column, std::size_t i) { return RayColumns<Real>::at(column, i); }
 

@@ -25,6 +25,9 @@ class ChainMarch {
   /// The octree must have a chain. `choice` must outlive this.
   explicit ChainMarch(CellChoice<Real>& choice) : lanes_(choice) {}
 
+  /// Which are nobody's between marches.
+  ChainLanes<Real>& lanes() { return lanes_; }
+
   /// Marches some rays until they have ended, or have taken their steps, or come to a place of which lanes have no part: their
   /// pause is kLeft. `taken`: the steps of each of `rays` so far. step(chain, block, live, parameters) is the kernel.
   template <class Step>

@@ -1,6 +1,7 @@
 #include "octomarch/render/field.hpp"
 
 #include "octomarch/base/parallel.hpp"
+#include "octomarch/render/chain_points.hpp"
 
 namespace octomarch {
 
@@ -70,9 +71,9 @@ std::shared_ptr<Octree<Real>> Field<Real>::octree_of(const Tape& tape, Octrees& 
 
 template <class Real>
 template <class Function>
-void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
-                                 LoadedTape<Real>& tape, StageStats& stage, Function&& f) {
-  groups_->sort(count, cancelled, stage,
+void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, bool some_alone,
+                                 const bool& cancelled, LoadedTape<Real>& tape, StageStats& stage, Function&& f) {
+  groups_->sort(count, some_alone, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   if (groups_->places() > sorted_points_.x.size()) {
     const std::size_t size = kernels::padded_lanes(groups_->places() * 3 / 2);
@@ -97,14 +98,41 @@ void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size
     count_run(tape_.view(), count, 1, stage.work);
     return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
   }
+  const bool some_alone = cell_march_->lanes() != nullptr;
+  distance_by_groups(points, count, some_alone, cancelled, out, stage);
+  if (!groups_->alone().empty()) distance_alone(points, cancelled, out, stage);
+}
+
+template <class Real>
+void Field<Real>::distance_by_groups(const kernels::Vectors<const Real>& points, std::size_t count, bool some_alone,
+                                     const bool& cancelled, Real* out, StageStats& stage) {
   Buffer<Real>& values = sorted_values_.x;
-  for_each_group(points, count, cancelled, tape_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
-    count_run(tape, group.count, 1, stage.work);
-    kernels_.distance(tape, tape_.memory(), sorted_points_.from(group.first), group.count, &cancelled,
-                      values.data() + group.first);
-  });
+  for_each_group(points, count, some_alone, cancelled, tape_, stage,
+                 [&](const auto& tape, const CellGroup<Real>& group) {
+                   count_run(tape, group.count, 1, stage.work);
+                   kernels_.distance(tape, tape_.memory(), sorted_points_.from(group.first), group.count, &cancelled,
+                                     values.data() + group.first);
+                 });
   std::fill_n(out, count, std::numeric_limits<Real>::quiet_NaN());
   groups_->for_each_place([&](std::size_t i, std::size_t place) { out[i] = values[place]; });
+}
+
+/// Of the points that are in no group.
+template <class Real>
+void Field<Real>::distance_alone(const kernels::Vectors<const Real>& points, const bool& cancelled, Real* out,
+                                 StageStats& stage) {
+  run_points_alone(*cell_march_->lanes(), points, groups_->alone(), cancelled, out, left_,
+                   [&](const auto&... all) { kernels_.run_chain(all..., stage.work); });
+  if (left_.empty()) return;
+  VectorBuffer<Real> left(left_.size());
+  Buffer<Real> values(left_.size());
+  for (std::size_t k = 0; k < left_.size(); ++k) {
+    left.x[k] = points.x[left_[k]];
+    left.y[k] = points.y[left_[k]];
+    left.z[k] = points.z[left_[k]];
+  }
+  distance_by_groups(left.read(), left_.size(), false, cancelled, values.data(), stage);
+  for (std::size_t k = 0; k < left_.size(); ++k) out[left_[k]] = values[k];
 }
 
 template <class Real>
@@ -115,12 +143,14 @@ void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size
     count_run(gradient_->view(), count, 1, stage.work);
     return kernels_.gradient(gradient_->view(), gradient_->memory(), points, count, &cancelled, out);
   }
-  for_each_group(points, count, cancelled, *gradient_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
-    count_run(tape, group.count, 1, stage.work);
-    VectorBuffer<Real>& values = sorted_values_;
-    kernels_.gradient(tape, gradient_->memory(), sorted_points_.from(group.first), group.count, &cancelled,
-                      {values.x.data() + group.first, values.y.data() + group.first, values.z.data() + group.first});
-  });
+  for_each_group(points, count, false, cancelled, *gradient_, stage,
+                 [&](const auto& tape, const CellGroup<Real>& group) {
+                   count_run(tape, group.count, 1, stage.work);
+                   VectorBuffer<Real>& values = sorted_values_;
+                   kernels_.gradient(
+                       tape, gradient_->memory(), sorted_points_.from(group.first), group.count, &cancelled,
+                       {values.x.data() + group.first, values.y.data() + group.first, values.z.data() + group.first});
+                 });
   for (Real* row : {out.x, out.y, out.z}) std::fill_n(row, count, std::numeric_limits<Real>::quiet_NaN());
   groups_->for_each_place([&](std::size_t i, std::size_t place) {
     out.x[i] = sorted_values_.x[place];

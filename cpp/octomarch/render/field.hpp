@@ -91,10 +91,13 @@ class Field {
                  Step&& step);
   /// By the kernels for what is no shadow ray.
   void march_states(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage);
-  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_.
+  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_. `some_alone`: see CellGroups.
   template <class Function>
-  void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, const bool& cancelled,
-                      LoadedTape<Real>& tape, StageStats& stage, Function&& f);
+  void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, bool some_alone,
+                      const bool& cancelled, LoadedTape<Real>& tape, StageStats& stage, Function&& f);
+  void distance_by_groups(const kernels::Vectors<const Real>& points, std::size_t count, bool some_alone,
+                          const bool& cancelled, Real* out, StageStats& stage);
+  void distance_alone(const kernels::Vectors<const Real>& points, const bool& cancelled, Real* out, StageStats& stage);
   void follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                       const kernels::MarchState<Real>& state, const std::uint8_t* status, StageStats& stage);
 
@@ -143,6 +146,7 @@ class Field {
   std::optional<CellGroups<Real>> groups_;
   std::optional<CellMarch<Real>> cell_march_;
   VectorBuffer<Real> sorted_points_, sorted_values_;  ///< by cells
+  std::vector<std::uint32_t> left_;                   ///< points that cannot be run alone after all
   std::vector<Real> planes_;                          ///< apart from the rest
   Buffer<Real> met_;                                  ///< where rays meet the first of them
   std::unique_ptr<Field> rest_;                       ///< what is marched beside planes; null where that is nothing
