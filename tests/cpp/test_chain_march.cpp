@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "clouds.hpp"
 #include "parts.hpp"
 #include <doctest/doctest.h>
 
@@ -21,23 +22,6 @@ namespace octomarch {
 namespace {
 
 constexpr std::size_t kRays = 512;
-
-/// Shapes all over a cube, one in each unit of volume.
-std::shared_ptr<const Program> cloud(int count, const std::function<NodePtr(Random&)>& make, double smooth = 0.1) {
-  Random random(31);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
-  const double half = 0.5 * std::cbrt(count);
-  std::vector<NodePtr> shapes;
-  for (int i = 0; i < count; ++i) {
-    const double x = uniform(random, -half, half);
-    const double y = uniform(random, -half, half);
-    shapes.push_back(translate(make(random), {x, y, uniform(random, -half, half)}));
-  }
-  return compile(combine(NodeKind::kUnion, std::move(shapes), smooth));
-}
-
-NodePtr ball(Random& random) { return sphere(uniform(random, 0.1, 0.3)); }
-
-std::shared_ptr<const Program> cloud(int count) { return cloud(count, ball); }
 
 template <class Real>
 struct Ended {
