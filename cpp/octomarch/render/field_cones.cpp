@@ -67,7 +67,7 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
   Cones& blocks = cones_->of_blocks;
   const std::size_t count = rays.count / kernels::kLanes;
   kernels_.fit_cones(rays, blocks.view());
-  std::fill_n(blocks.t.data(), count, parameters.t_min);
+  std::fill_n(blocks.t.data(), count, rays.start.value);
   if (has_bounds()) enter_bounds(blocks, count, parameters);
   march_cones(rays, blocks, count, parameters, stage);
   for (std::size_t block = 0; has_bounds() && block < count; ++block) {
@@ -80,7 +80,7 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
   const auto number_or = [](Real t, Real other) { return t == t ? t : other; };
   for (std::size_t block = 0; block < count; ++block) {
     Real* const start = batch.start.data() + block * kernels::kLanes;
-    const Real together = number_or(blocks.t[block], parameters.t_min);
+    const Real together = number_or(blocks.t[block], rays.start.value);
     if (!cones_->small) {
       std::fill_n(start, kernels::kLanes, together);
       continue;
