@@ -188,7 +188,7 @@ TEST_CASE_TEMPLATE("threads that make cells at the same time lose none", Real, f
         StageStats stage;
         const bool never = false;
         for (int round = 0; round < 8; ++round) {
-          groups.sort(kCount, false, never, stage, [&](std::size_t /*i*/) {
+          groups.sort(kCount, Few::kInGroups, never, stage, [&](std::size_t /*i*/) {
             const auto at = [&](double lo, double hi) { return static_cast<Real>(uniform(random, lo, hi)); };
             return std::array<Real, 3>{at(0.0, 1200.0), at(-1.0, 1.0), at(-1.0, 1.0)};
           });
@@ -223,7 +223,7 @@ TEST_CASE_TEMPLATE("a full octree groups points as one that is not", Real, float
     StageStats stage;
     std::vector<std::size_t> lengths;
     for (int round = 0; round < 20; ++round) {
-      groups.sort(kCount, false, never, stage, [&](std::size_t i) { return points[i]; });
+      groups.sort(kCount, Few::kInGroups, never, stage, [&](std::size_t i) { return points[i]; });
       std::size_t length = 0;
       for (const CellGroup<Real>& group : groups.groups()) length += group.count * group.cell->part.length;
       lengths.push_back(length);

@@ -20,9 +20,9 @@ class Shortcuts {
 
   /// None at all.
   Shortcuts() = default;
-  /// As many as there are things to be told apart, or a few times more.
+  /// One to eight for each of so many things that are to be told apart, but for very many.
   explicit Shortcuts(std::size_t things)
-      : levels_(std::min(kMostLevels, static_cast<unsigned>(std::bit_width(kPlacesOfThing * things) - 1) / 3)),
+      : levels_(std::min(kMostLevels, static_cast<unsigned>(std::bit_width(kPlacesOfThing * things)) / 3)),
         cells_(std::size_t{1} << 3 * levels_) {}
 
   /// The level to which they lead at the most.
@@ -38,17 +38,11 @@ class Shortcuts {
   static constexpr std::size_t kPlacesOfThing = 4;
   static constexpr unsigned kMostLevels = 7;
 
-  /// Eight places that make a cube are a cache line.
   std::size_t index_of(const Place& place) const {
     const unsigned below = kLevels - levels_;
-    std::size_t cube = 0;
-    std::size_t in_cube = 0;
-    for (unsigned axis = 3; axis-- > 0;) {
-      const std::size_t at = place[axis] >> below;
-      cube = cube << (levels_ - 1) | at >> 1U;
-      in_cube = in_cube << 1U | (at & 1U);
-    }
-    return cube << 3U | in_cube;
+    std::size_t index = 0;
+    for (const std::uint32_t at : place) index = index << levels_ | at >> below;
+    return index;
   }
 
   unsigned levels_ = 0;

@@ -21,6 +21,12 @@ struct CellGroup {
   std::size_t count;
 };
 
+/// What becomes of elements of which few share a cell with a list.
+enum class Few : std::uint8_t {
+  kInGroups,  ///< the same as of all others
+  kAlone,     ///< they are in no group, for they had better run parts of their own
+};
+
 /// Sorts elements by cells, as large ones as are worth it: many elements go to smaller cells with shorter programs, few stay
 /// together. Keeps its memory from call to call; one for each thread.
 template <class Real>
@@ -31,15 +37,15 @@ class CellGroups {
 
   /// Groups `count` elements, Way::kMost at the most; point(i) returns the coordinates of the i-th as an array of three.
   /// Those that are NaN are left out. Making cells can take long: where that is cancelled groups are as large as they
-  /// are by then. `some_alone`: those that had better run parts of their own are in no group. Counts cells for `stage`.
+  /// are by then. Counts cells for `stage`.
   template <class Point>
-  void sort(std::size_t count, bool some_alone, const bool& cancelled, StageStats& stage, Point&& point) {
+  void sort(std::size_t count, Few few, const bool& cancelled, StageStats& stage, Point&& point) {
     choice_.begin(kStayOfPoint, cancelled, stage);
     Octree<Real>& octree = choice_.octree();
     groups_.clear();
     place_of_.clear();
     alone_.clear();
-    some_alone_ = some_alone;
+    few_ = few;
     places_ = 0;
     ways_.clear();
     for (std::size_t i = 0; i < count; ++i) {
@@ -82,9 +88,10 @@ class CellGroups {
 
   /// Groups the elements of [begin, end), which lie in a cell.
   void split(Cell& cell, const Place& place, std::size_t begin, std::size_t end) {
-    if (some_alone_ && choice_.go_alone(cell, kAsRays * (end - begin))) {
+    if (few_ == Few::kAlone && choice_.go_alone(cell, kAsRays * (end - begin))) {
       for (std::size_t k = begin; k < end; ++k) alone_.push_back(static_cast<std::uint32_t>(ways_.element(k)));
-      return place_of_.resize(end, kNowhere);
+      place_of_.insert(place_of_.end(), end - begin, kNowhere);
+      return;
     }
     if (cell.is_leaf) return add_group(cell, place.region(), begin, end);
     std::array<std::size_t, 9> bounds;
@@ -116,7 +123,7 @@ class CellGroups {
   std::vector<CellGroup<Real>> groups_;
   std::vector<std::uint32_t> place_of_;  ///< by the order
   std::vector<std::uint32_t> alone_;
-  bool some_alone_ = false;
+  Few few_ = Few::kInGroups;
   std::size_t places_ = 0;
 };
 

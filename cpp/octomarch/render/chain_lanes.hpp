@@ -1,5 +1,5 @@
-// Lanes that each run a part of their own: the operands that decide in the cell in which the lane's ray is, where that has a list.
-// For where so few share a cell that running it for them alone would leave most lanes empty. Comes before chain_march.hpp.
+// Lanes that each run a part of their own: the operands that decide in the cell in which the lane's ray or point is, where that has a list.
+// For where so few share a cell that running it for them alone would leave most lanes empty. Comes before chain_march.hpp and chain_points.hpp.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ void for_each_lane(std::uint64_t lanes, Function&& f) {
   for (; lanes != 0; lanes &= lanes - 1) f(static_cast<std::size_t>(std::countr_zero(lanes)));
 }
 
-/// Sets of lanes are words; bit = lane. Keeps its memory, and where each lane was; one for each thread.
+/// Sets of lanes are words; bit = lane. Keeps its memory; one for each thread.
 template <class Real>
 class ChainLanes {
  public:

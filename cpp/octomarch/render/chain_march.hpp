@@ -40,7 +40,7 @@ class ChainMarch {
     max_steps_ = parameters.max_steps;
     steps_ = 0;
     deadline_ = std::numeric_limits<std::int64_t>::max();
-    lanes_.clear(~std::uint64_t{0});  // a march that was cancelled left some
+    lanes_.clear(~std::uint64_t{0});  // whoever was cancelled left some
     kernels::ChainBlock<Real>& block = lanes_.block();
     std::uint64_t live = enter(refill(~std::uint64_t{0}));
     while (live != 0 && !is_set(*parameters.cancelled)) {

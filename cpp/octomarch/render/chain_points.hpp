@@ -22,7 +22,7 @@ void run_points_alone(ChainLanes<Real>& lanes, const kernels::Vectors<const Real
                       std::vector<std::uint32_t>& left, Run&& run) {
   constexpr std::size_t kLanes = kernels::kLanes;
   left.clear();
-  lanes.clear(~std::uint64_t{0});  // a march that was cancelled left some
+  lanes.clear(~std::uint64_t{0});  // whoever was cancelled left some
   for (; !some.empty() && !is_set(cancelled); some = some.subspan(std::min(some.size(), kLanes))) {
     const std::size_t count = std::min(some.size(), kLanes);
     for (std::size_t lane = 0; lane < count; ++lane) {

@@ -71,9 +71,9 @@ std::shared_ptr<Octree<Real>> Field<Real>::octree_of(const Tape& tape, Octrees& 
 
 template <class Real>
 template <class Function>
-void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, bool some_alone,
+void Field<Real>::for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, Few few,
                                  const bool& cancelled, LoadedTape<Real>& tape, StageStats& stage, Function&& f) {
-  groups_->sort(count, some_alone, cancelled, stage,
+  groups_->sort(count, few, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   if (groups_->places() > sorted_points_.x.size()) {
     const std::size_t size = kernels::padded_lanes(groups_->places() * 3 / 2);
@@ -98,21 +98,20 @@ void Field<Real>::distance(const kernels::Vectors<const Real>& points, std::size
     count_run(tape_.view(), count, 1, stage.work);
     return kernels_.distance(tape_.view(), tape_.memory(), points, count, &cancelled, out);
   }
-  const bool some_alone = cell_march_->lanes() != nullptr;
-  distance_by_groups(points, count, some_alone, cancelled, out, stage);
+  distance_by_groups(points, count, cell_march_->lanes() != nullptr ? Few::kAlone : Few::kInGroups, cancelled, out,
+                     stage);
   if (!groups_->alone().empty()) distance_alone(points, cancelled, out, stage);
 }
 
 template <class Real>
-void Field<Real>::distance_by_groups(const kernels::Vectors<const Real>& points, std::size_t count, bool some_alone,
+void Field<Real>::distance_by_groups(const kernels::Vectors<const Real>& points, std::size_t count, Few few,
                                      const bool& cancelled, Real* out, StageStats& stage) {
   Buffer<Real>& values = sorted_values_.x;
-  for_each_group(points, count, some_alone, cancelled, tape_, stage,
-                 [&](const auto& tape, const CellGroup<Real>& group) {
-                   count_run(tape, group.count, 1, stage.work);
-                   kernels_.distance(tape, tape_.memory(), sorted_points_.from(group.first), group.count, &cancelled,
-                                     values.data() + group.first);
-                 });
+  for_each_group(points, count, few, cancelled, tape_, stage, [&](const auto& tape, const CellGroup<Real>& group) {
+    count_run(tape, group.count, 1, stage.work);
+    kernels_.distance(tape, tape_.memory(), sorted_points_.from(group.first), group.count, &cancelled,
+                      values.data() + group.first);
+  });
   std::fill_n(out, count, std::numeric_limits<Real>::quiet_NaN());
   groups_->for_each_place([&](std::size_t i, std::size_t place) { out[i] = values[place]; });
 }
@@ -131,7 +130,7 @@ void Field<Real>::distance_alone(const kernels::Vectors<const Real>& points, con
     left.y[k] = points.y[left_[k]];
     left.z[k] = points.z[left_[k]];
   }
-  distance_by_groups(left.read(), left_.size(), false, cancelled, values.data(), stage);
+  distance_by_groups(left.read(), left_.size(), Few::kInGroups, cancelled, values.data(), stage);
   for (std::size_t k = 0; k < left_.size(); ++k) out[left_[k]] = values[k];
 }
 
@@ -143,7 +142,7 @@ void Field<Real>::gradient(const kernels::Vectors<const Real>& points, std::size
     count_run(gradient_->view(), count, 1, stage.work);
     return kernels_.gradient(gradient_->view(), gradient_->memory(), points, count, &cancelled, out);
   }
-  for_each_group(points, count, false, cancelled, *gradient_, stage,
+  for_each_group(points, count, Few::kInGroups, cancelled, *gradient_, stage,
                  [&](const auto& tape, const CellGroup<Real>& group) {
                    count_run(tape, group.count, 1, stage.work);
                    VectorBuffer<Real>& values = sorted_values_;

@@ -54,7 +54,7 @@ class Field {
                      const kernels::StencilView<Real>& stencil, const bool& cancelled,
                      const kernels::Vectors<Real>& out, StageStats& stage);
 
-  /// Sets `start` of a batch's whole blocks of rays to where none of a block has met anything yet, by marching a cone about each,
+  /// Sets `start` of rays in whole blocks to where none of their neighbours has met anything yet, by marching cones about these,
   /// and `end` to where all of a block are past the solid's bounds, and each has met the first plane.
   void advance_together(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                         RayBatch<Real>& batch, StageStats& stage);
@@ -91,12 +91,12 @@ class Field {
                  Step&& step);
   /// By the kernels for what is no shadow ray.
   void march_states(const Rays& rays, const Parameters& parameters, const State& state, StageStats& stage);
-  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_. `some_alone`: see CellGroups.
+  /// Runs f(tape, group) for the cell of each group of points, whose coordinates are in sorted_points_.
   template <class Function>
-  void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, bool some_alone,
-                      const bool& cancelled, LoadedTape<Real>& tape, StageStats& stage, Function&& f);
-  void distance_by_groups(const kernels::Vectors<const Real>& points, std::size_t count, bool some_alone,
-                          const bool& cancelled, Real* out, StageStats& stage);
+  void for_each_group(const kernels::Vectors<const Real>& points, std::size_t count, Few few, const bool& cancelled,
+                      LoadedTape<Real>& tape, StageStats& stage, Function&& f);
+  void distance_by_groups(const kernels::Vectors<const Real>& points, std::size_t count, Few few, const bool& cancelled,
+                          Real* out, StageStats& stage);
   void distance_alone(const kernels::Vectors<const Real>& points, const bool& cancelled, Real* out, StageStats& stage);
   void follow_secants(const kernels::RayView<Real>& rays, const kernels::MarchParameters<Real>& parameters,
                       const kernels::MarchState<Real>& state, const std::uint8_t* status, StageStats& stage);
@@ -112,6 +112,7 @@ class Field {
       t[i] = around.t[one];
       t_max[i] = std::min(t_max[i], around.t_max[one]);
     }
+    /// As ConeSteps reads it: carried is the width, stride the spread.
     State state() {
       return {t.data(), radius.data(), width.data(), spread.data(), boldness.data(), pause.data(), nullptr};
     }

@@ -1,5 +1,5 @@
-// The prepass of a field's camera rays: cones about their blocks, from where they enter the solid's bounds. field.cpp marches
-// the rays from where these end.
+// The prepass of a field's camera rays: cones about their blocks, from where they enter the solid's bounds, and from the ends of
+// these on cones about fewer of them. field.cpp marches the rays from where the last end.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -29,8 +29,8 @@ constexpr auto kConesAbout = [] {
   return cones;
 }();
 
-/// Of tapes as long as this an evaluation costs so much more than a ray by itself that cones of fewer pixels are worth theirs.
-constexpr std::size_t kLong = 48;
+/// Of so many instructions an evaluation costs so much more than a cone by itself that small ones are worth it.
+constexpr std::size_t kLongEnoughForSmallCones = 48;
 
 }  // namespace
 
@@ -50,7 +50,7 @@ Field<Real>::Cones::Cones(std::size_t size)
 template <class Real>
 Field<Real>::ConesOfTile::ConesOfTile(std::size_t rays, const Tape& tape)
     : of_blocks(kernels::padded_lanes(rays / kernels::kLanes)) {
-  if (tape.code.size() < kLong) return;
+  if (tape.code.size() < kLongEnoughForSmallCones) return;
   small.emplace(kernels::padded_lanes(rays / kernels::kLanes * kernels::kSmallCones));
   smallest.emplace(kernels::padded_lanes(rays / kernels::kLanes * kernels::kSmallestCones));
 }
@@ -70,7 +70,8 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
   std::fill_n(blocks.t.data(), count, rays.start.value);
   if (has_bounds()) enter_bounds(blocks, count, parameters);
   march_cones(rays, blocks, count, parameters, stage);
-  for (std::size_t block = 0; has_bounds() && block < count; ++block) {
+  const std::size_t bounded = has_bounds() ? count : 0;
+  for (std::size_t block = 0; block < bounded; ++block) {
     const Real leave = blocks.t_max[block];
     for (std::size_t i = block * kernels::kLanes; i < (block + 1) * kernels::kLanes; ++i) {
       batch.end[i] = std::min(leave, at(rays.t_max, i));
@@ -96,8 +97,12 @@ void Field<Real>::march_small_cones(const Rays& rays, std::size_t blocks, const 
                                     StageStats& stage) {
   auto& [of_blocks, small, smallest] = *cones_;
   for (std::size_t block = 0; block < blocks; ++block) {
-    const bool has_ended = of_blocks.t[block] > of_blocks.t_max[block];
-    if (!has_ended) kernels_.fit_small_cones(rays, block, small->view(), smallest->view());
+    if (of_blocks.t[block] > of_blocks.t_max[block]) {  // it has ended where none of its rays lives
+      std::fill_n(small->t_max.data() + block * kernels::kSmallCones, kernels::kSmallCones, Real(-1));
+      std::fill_n(smallest->t_max.data() + block * kernels::kSmallestCones, kernels::kSmallestCones, Real(-1));
+    } else {
+      kernels_.fit_small_cones(rays, block, small->view(), smallest->view());
+    }
   }
   const std::size_t small_count = blocks * kernels::kSmallCones;
   for (std::size_t i = 0; i < small_count; ++i) small->begin_within(of_blocks, i / kernels::kSmallCones, i);

@@ -60,7 +60,7 @@ template <class Real>
 void PointExpressions<Real>::sort(const kernels::Vectors<const Real>& points,
                                   const kernels::Vectors<const Real>& normals, std::size_t count, const bool& cancelled,
                                   StageStats& stage) {
-  groups_->sort(count, false, cancelled, stage,
+  groups_->sort(count, Few::kInGroups, cancelled, stage,
                 [&](std::size_t i) { return std::array<Real, 3>{points.x[i], points.y[i], points.z[i]}; });
   if (groups_->places() > points_.x.size()) {
     const std::size_t size = kernels::padded_lanes(groups_->places() * 3 / 2);

@@ -16,7 +16,7 @@ struct StageStats {
   kernels::Counters work;     ///< evaluations are of the field, or of the stage's own expressions
   std::uint64_t without = 0;  ///< points of those that have no gradient: their normals face the ray
   std::uint64_t cells_visited =
-      0;  ///< groups of rays or points that the program of their cell was run for, and visits of rays alone
+      0;  ///< groups of rays or points that the program of their cell was run for, and visits of rays and points alone
   std::uint64_t cells_made = 0;
   double cell_seconds = 0.0;  ///< that making them took
   double seconds = 0.0;       ///< of all of the stage
