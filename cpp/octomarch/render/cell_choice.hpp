@@ -86,6 +86,17 @@ class CellChoice {
   bool go_alone(const Cell& cell, std::size_t count) const {
     return count <= alone_.few && fits_lanes(cell) && !octree_.is_full();
   }
+  /// The same for points: one evaluation each has to pay for what lanes take, and those that are together here stay so.
+  bool go_alone_as_points(const Cell& cell, std::size_t count) const {
+    if (!go_alone(cell, count)) return false;
+    const double length = std::min(cell.part.length, kShortAlone);
+    const auto points = static_cast<std::uint32_t>(count);
+    return points * alone_cost(length) < entering_cost(points) + running_cost(cell.part.length, points);
+  }
+  /// Is a cell's part so short that who goes alone need not look for a smaller one?
+  bool is_short_alone(const Cell& cell) const {
+    return cell.is_leaf || (cell.part.length <= kShortAlone && fits_lanes(cell));
+  }
   /// Is a child to be made for one element, which is run lane by lane? For cells that are no leaves.
   bool is_worth_making_alone(Cell& cell, unsigned octant) {
     if (is_cancelled() || octree_.is_full()) return false;
@@ -94,9 +105,8 @@ class CellChoice {
     if (!fits_lanes(cell)) return true;
     const double length = cell.part.length;
     const double once = alone_.lane_cost * stay_.evaluations;
-    const double stay = kAloneCost + length * (once + alone_.load_cost);
     const double apart = stay_.octants * kAloneCost + hoped_length(cell) * (once + stay_.octants * alone_.load_cost);
-    return is_worth(cell, stay - apart, price_of_child(cell));
+    return is_worth(cell, alone_cost(length) - apart, price_of_child(cell));
   }
 
   /// A child; where the octree is full, until the next call of begin() or forget_passing() only.
@@ -122,6 +132,8 @@ class CellChoice {
   static constexpr std::size_t kFew = 128;
   /// And where there are few operands, and so few cells, rays meet again later: for so many operands one element more may go alone.
   static constexpr std::size_t kOperandsOfFew = 64;
+  /// Whoever goes alone takes a part as short as this, in instructions, as he finds it.
+  static constexpr std::uint32_t kShortAlone = 52;
   /// Lanes that run several kinds, each for all of them, are faster only where rays hardly ever meet again.
   static constexpr std::size_t kOperandsOfFewMixed = 4096;
   /// What has to be gained for a child to be made, by itself and for each instruction of its parent. That is a half and a
@@ -162,6 +174,11 @@ class CellChoice {
   double running_cost(double length, std::uint32_t count) const {
     const std::size_t batches = kernels::padded_batches(count) / kernels::kWidestBatch;
     return stay_.evaluations * length * (kInstructionCost + static_cast<double>(batches) * kBatchCost);
+  }
+
+  /// Of an element that stays in one cell with a list of this length.
+  double alone_cost(double length) const {
+    return kAloneCost + length * (alone_.lane_cost * stay_.evaluations + alone_.load_cost);
   }
 
   static double price_of_child(const Cell& cell) {

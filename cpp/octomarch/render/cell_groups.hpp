@@ -83,12 +83,10 @@ class CellGroups {
   using Cell = typename Octree<Real>::Cell;
   using Place = typename Octree<Real>::Place;
   static constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
-  /// A point takes constants for one evaluation, where a ray has several: as few are worth it as if there were so many rays.
-  static constexpr std::size_t kAsRays = 2;
 
   /// Groups the elements of [begin, end), which lie in a cell.
   void split(Cell& cell, const Place& place, std::size_t begin, std::size_t end) {
-    if (few_ == Few::kAlone && choice_.go_alone(cell, kAsRays * (end - begin))) {
+    if (few_ == Few::kAlone && choice_.go_alone_as_points(cell, end - begin)) {
       for (std::size_t k = begin; k < end; ++k) alone_.push_back(static_cast<std::uint32_t>(ways_.element(k)));
       place_of_.insert(place_of_.end(), end - begin, kNowhere);
       return;

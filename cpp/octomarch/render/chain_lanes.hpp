@@ -60,9 +60,6 @@ class ChainLanes {
   using Place = typename Octree<Real>::Place;
   static constexpr unsigned kLevels = Octree<Real>::kLevels;
 
-  /// Parts as short as this are not looked for any deeper, if they fit.
-  static constexpr std::uint32_t kShort = 52;
-
   /// Where a lane is, and the cell that it has come to.
   struct Path {
     typename Octree<Real>::Top* top = nullptr;
@@ -90,7 +87,7 @@ class ChainLanes {
       std::uint64_t below = 0;
       for_each_lane(above, [&](std::size_t lane) {
         const Cell& cell = *paths_[lane].cell;
-        if (cell.is_leaf || (cell.part.length <= kShort && choice_.fits_lanes(cell))) {
+        if (choice_.is_short_alone(cell)) {
           found |= std::uint64_t{is_ready(cell)} << lane;
         } else {
           __builtin_prefetch(cell.branch.load(std::memory_order_relaxed));
