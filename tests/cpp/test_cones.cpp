@@ -2,11 +2,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
-#include <random>
 #include <vector>
 
+#include "parts.hpp"
 #include <doctest/doctest.h>
 
 #include "octomarch/kernels/dispatch.hpp"
@@ -41,14 +40,15 @@ struct SomeRays {
 /// Of pixels side by side, blocks in a row; every so many is NaN, as outside of the picture.
 template <class Real>
 SomeRays<Real> rays_of_camera(bool share_origin, double disorder, std::size_t none_every) {
-  std::mt19937 random(11);
-  std::uniform_real_distribution<double> shake(-disorder, disorder);
+  Random random(11);  // NOLINT(bugprone-random-generator-seed): the same numbers each time
+  const auto shake = [&] { return uniform(random, -disorder, disorder); };
   SomeRays<Real> rays;
   for (std::size_t i = 0; i < kRays; ++i) {
-    const auto x =
-        static_cast<double>(i / kernels::kLanes * kernels::kBlockEdge + kernels::lane_column(i % kernels::kLanes));
-    const auto y = static_cast<double>(kernels::lane_row(i % kernels::kLanes));
-    const std::array<double, 3> at{0.01 * x - 0.3 + shake(random), 0.02 * y + 0.1 + shake(random), 1.0 + shake(random)};
+    const std::size_t block = i / kernels::kLanes;
+    const std::size_t lane = i % kernels::kLanes;
+    const auto x = static_cast<double>(block * kernels::kBlockEdge + kernels::lane_column(lane));
+    const auto y = static_cast<double>(kernels::lane_row(lane));
+    const std::array<double, 3> at{0.01 * x - 0.3 + shake(), 0.02 * y + 0.1 + shake(), 1.0 + shake()};
     const double length = share_origin ? std::hypot(at[0], at[1], at[2]) : 1.0;
     VectorBuffer<Real>& spread = share_origin ? rays.direction : rays.origin;
     VectorBuffer<Real>& same = share_origin ? rays.origin : rays.direction;
@@ -57,8 +57,8 @@ SomeRays<Real> rays_of_camera(bool share_origin, double disorder, std::size_t no
     spread.z[i] = static_cast<Real>(at[2] / length);
     same.x[i] = Real(0.6);
     same.z[i] = Real(-0.8);
-    rays.epsilon[i] = static_cast<Real>(1e-3 + shake(random) * shake(random));
-    rays.t_max[i] = static_cast<Real>(50.0 + shake(random));
+    rays.epsilon[i] = static_cast<Real>(1e-3 + shake() * shake());
+    rays.t_max[i] = static_cast<Real>(50.0 + shake());
     if (none_every > 0 && i % none_every < none_every / 2) {
       spread.x[i] = std::numeric_limits<Real>::quiet_NaN();
     }
@@ -155,9 +155,8 @@ TEST_CASE_TEMPLATE("cones hold their rays", Real, float, double) {
           for (auto cones : {&Fitted<Real>::small, &Fitted<Real>::smallest, &Fitted<Real>::blocks}) {
             const std::vector<Real> expected = (fitted.*cones).numbers();
             const std::vector<Real> found = (other.*cones).numbers();
-            CHECK(std::equal(found.begin(), found.end(), expected.begin(), [](Real a, Real b) {
-              return std::memcmp(&a, &b, sizeof(Real)) == 0 || (std::isnan(a) && std::isnan(b));
-            }));
+            CHECK(std::equal(found.begin(), found.end(), expected.begin(),
+                             [](Real a, Real b) { return a == b || (std::isnan(a) && std::isnan(b)); }));
           }
         }
       }

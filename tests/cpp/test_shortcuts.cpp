@@ -16,7 +16,7 @@ constexpr unsigned kLevels = 13;
 using Ways = Shortcuts<Cell, kLevels>;
 
 TEST_CASE("there are one to eight shortcuts for each thing, but for very many") {
-  for (const std::size_t things : {1, 2, 3, 7, 8, 63, 200, 1'000, 4'096, 100'000, 262'143}) {
+  for (const std::size_t things : {1U, 2U, 3U, 7U, 8U, 63U, 200U, 1'000U, 4'096U, 100'000U, 262'143U}) {
     CAPTURE(things);
     const std::size_t count = Ways(things).bytes() / sizeof(void*);
     CHECK(count >= things);
@@ -28,7 +28,7 @@ TEST_CASE("there are one to eight shortcuts for each thing, but for very many") 
 }
 
 TEST_CASE("a cell is found where it was remembered") {
-  for (const std::size_t things : {1, 20, 3'000}) {
+  for (const std::size_t things : {1U, 20U, 3'000U}) {
     CAPTURE(things);
     Ways ways(things);
     const unsigned below = kLevels - ways.levels();
