@@ -212,15 +212,6 @@ struct ConeView {
   Real* t_max;    ///< likewise
 };
 
-/// Cones of 4×4 and of 2×2 pixels in a block of camera rays.
-inline constexpr std::size_t kSmallCones = 4, kSmallestCones = 16;
-/// Of a block's smallest cones, the one about a lane. The k-th of those in small cone c has the index c + kSmallCones·k.
-constexpr std::size_t smallest_cone_about(std::size_t lane) {
-  const std::size_t column = lane_column(lane);
-  const std::size_t row = lane_row(lane);
-  return column / 4 + row / 4 * 2 + kSmallCones * (column / 2 % 2 + row / 2 % 2 * 2);
-}
-
 /// Half-spaces: the distance is x·e₀ + y·e₁ + z·e₂ + e₃, e₀ … e₂ being a unit normal.
 template <class Real>
 struct PlanesView {

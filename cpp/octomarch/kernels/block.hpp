@@ -22,6 +22,15 @@ constexpr std::size_t lane_row(std::size_t lane) {
   return lane / kPacketLanes / kPacketsAcross * kPacketHeight + lane / kPacketWidth % kPacketHeight;
 }
 
+/// Cones of 4×4 and of 2×2 pixels in a block of camera rays.
+inline constexpr std::size_t kSmallCones = 4, kSmallestCones = 16;
+/// Of a block's smallest cones, the one about a lane. The k-th of those in small cone c has the index c + kSmallCones·k.
+constexpr std::size_t smallest_cone_about(std::size_t lane) {
+  const std::size_t column = lane_column(lane);
+  const std::size_t row = lane_row(lane);
+  return column / 4 + row / 4 * 2 + kSmallCones * (column / 2 % 2 + row / 2 % 2 * 2);
+}
+
 /// Rows of kLanes that a march needs beside its two register files: five busy and five quiet ones for each of two blocks,
 /// and two more where steps are relaxed. All lie in one piece, the busy rows of both blocks and the files first: rows a
 /// multiple of 4 KiB apart make loads wait for stores that have nothing to do with them, and while a small program's busy

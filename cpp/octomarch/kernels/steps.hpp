@@ -225,7 +225,7 @@ struct CertifiedSteps {
 
 /// Steps of a cone about its axis: where the field is r, all its rays are free as far as t + r less the cone's width there. It ends
 /// where it would gain less than a quarter of its width, or no more than rays take for a hit. The state's `carried` is the width
-/// at its origin, `stride` what is added for each unit of t; they stay.
+/// at its origin, `stride` what is added for each unit of t; they stay, and are kept as for relaxed steps.
 template <class Real>
 struct ConeSteps {
   using T = Lanes<Real>;

@@ -1,5 +1,6 @@
-// Lanes that each run a part of their own: the operands that decide in the cell in which the lane's ray or point is, where that has a list.
-// For where so few share a cell that running it for them alone would leave most lanes empty. Comes before chain_march.hpp and chain_points.hpp.
+// Lanes that each run a part of their own: the operands that decide in the cell in which the lane's ray or point is, where that
+// has a list. For where so few share a cell that running it for them alone would leave most lanes empty. Comes before
+// chain_march.hpp and chain_points.hpp.
 #pragma once
 
 #include <algorithm>
@@ -82,7 +83,7 @@ class ChainLanes {
   std::uint64_t find_cells(std::uint64_t lanes) {
     std::uint64_t found = 0;
     std::uint64_t above = 0;
-    for_each_lane(lanes, [&](std::size_t lane) { above |= std::uint64_t{begins(lane)} << lane; });
+    for_each_lane(lanes, [&](std::size_t lane) { above |= std::uint64_t{begin_path(lane)} << lane; });
     while (above != 0) {
       std::uint64_t below = 0;
       for_each_lane(above, [&](std::size_t lane) {
@@ -109,8 +110,8 @@ class ChainLanes {
     return found;
   }
 
-  /// The way down begins at the smallest cell that is known; false where a lane's point is in none.
-  bool begins(std::size_t lane) {
+  /// Begins a lane's way down at the smallest cell that is known; false where its point is in none.
+  bool begin_path(std::size_t lane) {
     const Real* const point = block_.registers + lane;
     Path& path = paths_[lane];
     path.top = choice_.octree().find(point[0], point[kLanes], point[2 * kLanes], path.at);

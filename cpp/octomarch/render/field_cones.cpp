@@ -70,11 +70,12 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
   std::fill_n(blocks.t.data(), count, rays.start.value);
   if (has_bounds()) enter_bounds(blocks, count, parameters);
   march_cones(rays, blocks, count, parameters, stage);
-  const std::size_t bounded = has_bounds() ? count : 0;
-  for (std::size_t block = 0; block < bounded; ++block) {
-    const Real leave = blocks.t_max[block];
-    for (std::size_t i = block * kernels::kLanes; i < (block + 1) * kernels::kLanes; ++i) {
-      batch.end[i] = std::min(leave, at(rays.t_max, i));
+  if (has_bounds()) {
+    for (std::size_t block = 0; block < count; ++block) {
+      const Real leave = blocks.t_max[block];
+      for (std::size_t i = block * kernels::kLanes; i < (block + 1) * kernels::kLanes; ++i) {
+        batch.end[i] = std::min(leave, at(rays.t_max, i));
+      }
     }
   }
   if (cones_->small) march_small_cones(rays, count, parameters, stage);
