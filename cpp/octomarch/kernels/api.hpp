@@ -10,6 +10,7 @@
 #include <cstdint>
 
 #include "octomarch/kernels/block.hpp"
+#include "octomarch/program/ball_node.hpp"
 #include "octomarch/program/choices.hpp"
 #include "octomarch/program/instruction.hpp"
 #include "octomarch/program/region.hpp"
@@ -212,6 +213,15 @@ struct ConeView {
   Real* t_max;    ///< likewise
 };
 
+/// A tree of balls, see BallTree.
+template <class Real>
+struct BallsView {
+  const BallNode<Real>* nodes;
+  const BallLeaf<Real>* leaves;
+  Real blend;
+  Real trusted_epsilon;
+};
+
 /// Half-spaces: the distance is x·e₀ + y·e₁ + z·e₂ + e₃, e₀ … e₂ being a unit normal.
 template <class Real>
 struct PlanesView {
@@ -303,6 +313,10 @@ struct KernelTable {
   /// The same for each 4×4 and each 2×2 pixels of one block of camera rays, its kSmallCones and kSmallestCones.
   void (*fit_small_cones)(const RayView<Real>&, std::size_t block, const ConeView<Real>& small,
                           const ConeView<Real>& smallest);
+  /// Where each ray of a block, about which a cone has been put, comes within reach of the first ball; `end` is set to −1 where it
+  /// never does. Both are those of the block.
+  void (*enter_balls)(const BallsView<Real>&, const RayView<Real>&, std::size_t block, const ConeView<Real>&,
+                      Real epsilon_slope, Real* start, Real* end);
   /// `met`: the t at which each ray enters the first of the planes: t_min where it begins within the hit epsilon of one, +∞
   /// where it enters none. `end`: the lesser of that and its t_max. rays.start is not read.
   void (*meet_planes)(const PlanesView<Real>&, const RayView<Real>&, const MarchParameters<Real>&, Real* met,

@@ -1,6 +1,7 @@
 // The kernel table of one ISA: what an isa_*.cpp hands to the dispatcher. Included once, last, by each of them.
 #pragma once
 
+#include "octomarch/kernels/balls.hpp"
 #include "octomarch/kernels/camera.hpp"
 #include "octomarch/kernels/chains.hpp"
 #include "octomarch/kernels/compare.hpp"
@@ -19,6 +20,7 @@ constexpr KernelTable<Real> make_table() {
       .camera_rays = &camera_rays<Real>,
       .fit_cones = &fit_cones<Real>,
       .fit_small_cones = &fit_small_cones<Real>,
+      .enter_balls = &enter_balls<Real>,
       .meet_planes = &meet_planes<Real>,
       .take_planes = &take_planes<Real>,
       .dim_by_planes = &dim_by_planes<Real>,

@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "octomarch/base/parallel.hpp"
 #include "octomarch/graph/analysis.hpp"
 #include "octomarch/program/allocate.hpp"
+#include "octomarch/program/ball_tree.hpp"
 #include "octomarch/program/lower.hpp"
 #include "octomarch/program/lower_expression.hpp"
 #include "octomarch/program/octree.hpp"
@@ -29,7 +31,7 @@ Expressions expressions_of(const DataFlow& flow, std::span<const ValueId> values
 }  // namespace
 
 Program::Program(NodePtr root, const std::optional<Vec3>& anchor)
-    : root_(std::move(root)), octrees_(std::make_unique<ProgramOctrees>()) {
+    : root_(std::move(root)), balls_(std::make_unique<BallTrees>()), octrees_(std::make_unique<ProgramOctrees>()) {
   const FactTable facts = analyse(*root_);
   const FieldFacts& whole = facts.at(root_.get());
   lipschitz_ = whole.lipschitz;
@@ -74,6 +76,21 @@ const PlanesAndRest* Program::planes_and_rest() const {
   });
   return planes_ ? &*planes_ : nullptr;
 }
+
+template <class Real>
+const BallTree<Real>* Program::balls(const bool& cancelled) const {
+  auto& balls = balls_->of<Real>();
+  const std::scoped_lock lock(balls.mutex);
+  if (!balls.is_made) {
+    if (lipschitz_ == 1.0) balls.tree = BallTree<Real>::of(distance_, cancelled);
+    balls.is_made = !is_set(cancelled);
+    if (!balls.is_made) balls.tree.reset();
+  }
+  return balls.tree ? &*balls.tree : nullptr;
+}
+
+template const BallTree<float>* Program::balls(const bool& cancelled) const;
+template const BallTree<double>* Program::balls(const bool& cancelled) const;
 
 template <class Real>
 const Doubt& Program::doubt() const {

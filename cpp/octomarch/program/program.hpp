@@ -71,6 +71,9 @@ struct Expressions {
 };
 
 struct ProgramOctrees;
+template <class Real>
+class BallTree;
+struct BallTrees;
 class Program;
 
 /// A shape's planes, and the program of all the rest, which has the same anchor; null where nothing is left.
@@ -110,6 +113,10 @@ class Program {
   /// The field as planes and a rest, of which it is the least; null where it has no planes. Compiled when first
   /// asked for.
   const PlanesAndRest* planes_and_rest() const;
+  /// Where a field that is nothing but balls may have a surface; null where it is anything else. Made when first asked for,
+  /// unless that is cancelled.
+  template <class Real>
+  const BallTree<Real>* balls(const bool& cancelled) const;
   /// Octrees of the tapes, which stay as long as the program.
   ProgramOctrees& octrees() const { return *octrees_; }
 
@@ -129,6 +136,7 @@ class Program {
   mutable Doubt doubt_f32_, doubt_f64_;
   mutable std::once_flag planes_once_;
   mutable std::optional<PlanesAndRest> planes_;
+  std::unique_ptr<BallTrees> balls_;
   std::unique_ptr<ProgramOctrees> octrees_;
 };
 

@@ -8,6 +8,7 @@
 #include <optional>
 #include <vector>
 
+#include "octomarch/program/ball_tree.hpp"
 #include "octomarch/render/cell_groups.hpp"
 #include "octomarch/render/cell_march.hpp"
 #include "octomarch/render/loaded_tape.hpp"
@@ -129,6 +130,8 @@ class Field {
     Cones of_blocks;
     std::optional<Cones> small, smallest;  ///< where the tape is long
   };
+  void enter_balls(const BallTree<Real>& balls, const Rays& rays, std::size_t blocks, const Parameters& parameters,
+                   RayBatch<Real>& batch);
   void enter_bounds(Cones& cones, std::size_t count, const Parameters& parameters) const;
   void march_small_cones(const Rays& rays, std::size_t blocks, const Parameters& parameters, StageStats& stage);
   void march_cones(const Rays& rays, Cones& cones, std::size_t count, Parameters parameters, StageStats& stage);

@@ -69,7 +69,10 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
   kernels_.fit_cones(rays, blocks.view());
   std::fill_n(blocks.t.data(), count, rays.start.value);
   if (has_bounds()) enter_bounds(blocks, count, parameters);
-  march_cones(rays, blocks, count, parameters, stage);
+  const BallTree<Real>* const balls = parameters.stepping == kernels::Stepping::kEnhanced
+                                          ? program_.template balls<Real>(*parameters.cancelled)
+                                          : nullptr;
+  if (balls == nullptr) march_cones(rays, blocks, count, parameters, stage);
   if (has_bounds()) {
     for (std::size_t block = 0; block < count; ++block) {
       const Real leave = blocks.t_max[block];
@@ -78,6 +81,7 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
       }
     }
   }
+  if (balls != nullptr) return enter_balls(*balls, rays, count, parameters, batch);
   if (cones_->small) march_small_cones(rays, count, parameters, stage);
   const auto number_or = [](Real t, Real other) { return t == t ? t : other; };
   for (std::size_t block = 0; block < count; ++block) {
@@ -89,6 +93,23 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
     }
     const Real* const t = cones_->smallest->t.data() + block * kernels::kSmallestCones;
     for (std::size_t lane = 0; lane < kernels::kLanes; ++lane) start[lane] = number_or(t[kConesAbout[lane]], together);
+  }
+}
+
+/// Instead of cones, whose ends would be no farther.
+template <class Real>
+void Field<Real>::enter_balls(const BallTree<Real>& balls, const Rays& rays, std::size_t blocks,
+                              const Parameters& parameters, RayBatch<Real>& batch) {
+  const kernels::BallsView<Real> view{balls.nodes().data(), balls.leaves().data(), balls.blend(),
+                                      balls.trusted_epsilon()};
+  for (std::size_t block = 0; block < blocks; ++block) {
+    Real* const start = batch.start.data() + block * kernels::kLanes;
+    Real* const end = batch.end.data() + block * kernels::kLanes;
+    if (cones_->of_blocks.t_max[block] < Real(0)) {  // it passes the bounds by
+      std::fill_n(start, kernels::kLanes, rays.start.value);
+      continue;
+    }
+    kernels_.enter_balls(view, rays, block, cones_->of_blocks.view(), parameters.epsilon_slope, start, end);
   }
 }
 

@@ -1,0 +1,297 @@
+#include "octomarch/program/ball_tree.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <span>
+
+#include "octomarch/base/parallel.hpp"
+#include "octomarch/program/chain.hpp"
+
+namespace octomarch {
+
+namespace {
+
+struct Ball {
+  Vec3 center;
+  double radius;
+};
+
+/// Of numbers whose squares are numbers too.
+double distance(const Vec3& a, const Vec3& b) {
+  const Vec3 way = a - b;
+  return std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
+}
+
+constexpr double Vec3::* kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
+
+/// Does a kind make balls from the coordinates, and unite or blend them? `blend` becomes at least the k of that.
+bool makes_balls(const Chain::Kind& kind, double& blend) {
+  const Instruction& make = kind.body().front();
+  const Opcode take_up = kind.combine().op;
+  if (take_up == Opcode::kSmoothUnion) blend = std::max(blend, kind.of_combine[0]);
+  return kind.length == 1 && (make.op == Opcode::kSphere || make.op == Opcode::kOriginSphere) && make.in[0] == 0 &&
+         make.in[1] == 1 && make.in[2] == 2 && (take_up == Opcode::kUnion || take_up == Opcode::kSmoothUnion);
+}
+
+template <class Real>
+std::vector<Ball> balls_of(const Chain& chain, const Tape& tape) {
+  const std::vector<Real> table = chain.table<Real>(tape);
+  std::vector<Ball> balls(chain.operands());
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    const Real* const row = table.data() + i * chain.columns();
+    const auto number = [row](std::size_t column) { return static_cast<double>(row[column]); };
+    const bool is_at_origin = chain.kind_of(i).body().front().op == Opcode::kOriginSphere;
+    balls[i] = is_at_origin ? Ball{{}, number(0)} : Ball{{number(0), number(1), number(2)}, number(3)};
+  }
+  return balls;
+}
+
+/// Balls in parts of parts, halved along the longest side of the box about their centres.
+class Halves {
+ public:
+  struct Part {
+    Vec3 center;
+    double radius = 0.0;  ///< about all of its balls
+    std::uint32_t first = 0, count = 0;
+    std::uint32_t other = 0;  ///< the second half; the first comes right behind
+    bool is_leaf() const { return count <= kBallsOfLeaf; }
+  };
+
+  /// Cancelled, there are too few.
+  Halves(std::vector<Ball> balls, const bool& cancelled) : balls_(std::move(balls)), cancelled_(cancelled) {
+    build(0, static_cast<std::uint32_t>(balls_.size()));
+  }
+
+  const std::vector<Part>& parts() const { return parts_; }
+  const Part& whole() const { return parts_.front(); }
+  std::span<const Ball> balls() const { return balls_; }
+  std::span<const Ball> balls_of(const Part& part) const { return balls().subspan(part.first, part.count); }
+
+  /// Calls f(balls of a leaf) for all leaves that a ball about a point meets.
+  template <class Function>
+  void for_each_leaf_near(const Vec3& center, double radius, Function&& f) const {
+    std::array<std::uint32_t, kDeepestBallTree> waiting{};
+    std::size_t count = 1;
+    while (count > 0) {
+      const std::uint32_t index = waiting[--count];
+      const Part& part = parts_[index];
+      if (distance(part.center, center) > part.radius + radius) continue;
+      if (part.is_leaf()) {
+        f(balls_of(part));
+      } else {
+        waiting[count++] = part.other;
+        waiting[count++] = index + 1;
+      }
+    }
+  }
+
+ private:
+  /// As deep as the tree is.
+  void build(std::uint32_t first, std::uint32_t count) {  // NOLINT(misc-no-recursion)
+    const std::span<Ball> balls = std::span(balls_).subspan(first, count);
+    const std::size_t index = parts_.size();
+    Vec3 size;
+    parts_.push_back(about(balls, size));
+    parts_[index].first = first;
+    parts_[index].count = count;
+    if (parts_[index].is_leaf() || is_set(cancelled_)) return;
+    double Vec3::* const longest = *std::ranges::max_element(kAxes, {}, [&](auto axis) { return size.*axis; });
+    const std::uint32_t half = count / 2;
+    std::ranges::nth_element(balls, balls.begin() + half, {}, [&](const Ball& ball) { return ball.center.*longest; });
+    build(first, half);
+    parts_[index].other = static_cast<std::uint32_t>(parts_.size());
+    build(first + half, count - half);
+  }
+
+  static Part about(std::span<const Ball> balls, Vec3& size) {
+    Vec3 lo = balls.front().center;
+    Vec3 hi = lo;
+    for (const Ball& ball : balls) {
+      for (double Vec3::* const axis : kAxes) {
+        lo.*axis = std::min(lo.*axis, ball.center.*axis);
+        hi.*axis = std::max(hi.*axis, ball.center.*axis);
+      }
+    }
+    size = hi - lo;
+    Part part{.center = lo + size * 0.5};
+    for (const Ball& ball : balls) {
+      part.radius = std::max(part.radius, distance(ball.center, part.center) + std::max(ball.radius, 0.0));
+    }
+    return part;
+  }
+
+  std::vector<Ball> balls_;  ///< in the order of the leaves
+  const bool& cancelled_;
+  std::vector<Part> parts_;
+};
+
+/// How far outside of a ball a blend may have its surface, or be no more than `epsilon`, where that ball is the nearest.
+///
+/// Let d be the least of the distances dᵢ at a point. What is 2k farther does not count, since the others are never lowered by more
+/// than k in all. The blend of two takes no more from the smaller than κ·log(1 + exp(−|a − b|/κ)) with κ = k / (4 log 2), which is as
+/// much where a = b, and does not depend on the order of operands. So the field is at least
+/// d − κ·log(Σ exp(−(dᵢ − d)/κ) + exp(−k/κ)), the last for those that do not count. And dᵢ − d is at least the gap to the i-th ball less 2d.
+class Lowering {
+ public:
+  Lowering(const Halves& halves, double k, double epsilon)
+      : halves_(halves),
+        k_(k),
+        epsilon_(epsilon),
+        reach_(4.0 * k + 2.0 * epsilon),
+        sharpness_(4.0 * std::numbers::ln2 / k) {}
+
+  /// Of all balls of a leaf. O(log n + balls near it).
+  void of(const Halves::Part& leaf, std::span<double> lowerings) {
+    const std::span<const Ball> own = halves_.balls_of(leaf);
+    std::size_t first_own = 0;
+    near_.clear();
+    halves_.for_each_leaf_near(leaf.center, leaf.radius + reach_, [&](std::span<const Ball> balls) {
+      if (balls.data() == own.data()) first_own = near_.size();
+      near_.insert(near_.end(), balls.begin(), balls.end());
+    });
+    for (std::size_t i = 0; i < own.size(); ++i) lowerings[i] = of(first_own + i);
+  }
+
+ private:
+  static constexpr std::size_t kMostGaps = 16;  ///< of which the sum is taken
+  static constexpr int kRounds = 6;             ///< each begins at what the last has found to be the most
+
+  double of(std::size_t one) const {
+    const Ball& ball = near_[one];
+    std::array<double, kMostGaps> gaps{};
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < near_.size(); ++i) {
+      const Ball& other = near_[i];
+      const Vec3 way = other.center - ball.center;
+      const double most = std::max(ball.radius + other.radius + reach_, 0.0);
+      const double square = way.x * way.x + way.y * way.y + way.z * way.z;
+      if (i == one || square >= most * most) continue;
+      if (count == kMostGaps) return k_;
+      gaps[count++] = std::sqrt(square) - ball.radius - other.radius;
+    }
+    double most = k_;
+    for (int round = 0; round < kRounds; ++round) {
+      const double less = at(most + epsilon_, std::span(gaps).first(count));
+      if (less > most * 0.95) break;
+      most = less;
+    }
+    return most;
+  }
+
+  /// The most that blends take at a distance from the ball.
+  double at(double distance, std::span<const double> gaps) const {
+    double sum = 0.0;
+    for (const double gap : gaps) {
+      const double farther = std::max(gap - 2.0 * distance, 0.0);
+      if (farther < 2.0 * k_) sum += std::exp(-farther * sharpness_);
+    }
+    if (sum == 0.0) return 0.0;  // alone it is as it is
+    return std::log1p(sum + std::exp(-k_ * sharpness_)) / sharpness_;
+  }
+
+  const Halves& halves_;
+  double k_, epsilon_;
+  double reach_;  ///< from its surface to those that may have a say
+  double sharpness_;
+  std::vector<Ball> near_;
+};
+
+/// Of all balls; nothing where there is so much about balls that rays are better led by cones. `k`: of the blend, not 0.
+std::optional<std::vector<double>> lowerings_of(const Halves& halves, double k, double epsilon, const bool& cancelled) {
+  constexpr double kMostOfRadius = 1.0 / 3.0;
+  constexpr double kMostOfBlend = 0.8;
+  constexpr std::size_t kLeavesOfSample = 64;  // a crowd is told by these
+  std::vector<const Halves::Part*> leaves;
+  for (const Halves::Part& part : halves.parts()) {
+    if (part.is_leaf()) leaves.push_back(&part);
+  }
+  Lowering lowering(halves, k, epsilon);
+  std::vector<double> lowerings(halves.balls().size());
+  double sum = 0.0;
+  double radii = 0.0;
+  double count = 0.0;
+  const std::size_t stride = std::max<std::size_t>(leaves.size() / kLeavesOfSample, 1);
+  for (std::size_t i = 0; i < leaves.size(); i += stride) {
+    const std::span<double> own = std::span(lowerings).subspan(leaves[i]->first, leaves[i]->count);
+    lowering.of(*leaves[i], own);
+    sum += std::accumulate(own.begin(), own.end(), 0.0);
+    for (const Ball& ball : halves.balls_of(*leaves[i])) radii += std::max(ball.radius, 0.0);
+    count += leaves[i]->count;
+  }
+  if (sum > kMostOfRadius * radii || sum > kMostOfBlend * k * count) return std::nullopt;
+  for (std::size_t i = 0; i < leaves.size(); ++i) {
+    if (is_set(cancelled)) return std::nullopt;
+    if (i % stride != 0) lowering.of(*leaves[i], std::span(lowerings).subspan(leaves[i]->first, leaves[i]->count));
+  }
+  return lowerings;
+}
+
+/// In Real, and not less than it.
+template <class Real>
+Real at_least(double number) {
+  constexpr double kUp = 4.0 * static_cast<double>(std::numeric_limits<Real>::epsilon());
+  return static_cast<Real>(number + std::fabs(number) * kUp);
+}
+
+template <class Real>
+BallLeaf<Real> leaf_of(std::span<const Ball> balls, std::span<const double> lowerings) {
+  BallLeaf<Real> leaf{};
+  std::ranges::fill(leaf.radius, -std::numeric_limits<Real>::infinity());
+  for (std::size_t i = 0; i < balls.size(); ++i) {
+    leaf.x[i] = static_cast<Real>(balls[i].center.x);
+    leaf.y[i] = static_cast<Real>(balls[i].center.y);
+    leaf.z[i] = static_cast<Real>(balls[i].center.z);
+    leaf.radius[i] = at_least<Real>(balls[i].radius + lowerings[i]);
+  }
+  return leaf;
+}
+
+}  // namespace
+
+template <class Real>
+std::optional<BallTree<Real>> BallTree<Real>::of(const Tape& tape, const bool& cancelled) {
+  if (tape.code.size() < 2 * kFewest - 1) return std::nullopt;
+  const std::optional<Chain> chain = Chain::of(tape);
+  if (!chain || !chain->is_whole()) return std::nullopt;
+  double blend = 0.0;
+  for (const Chain::Kind& kind : chain->kinds()) {
+    if (!makes_balls(kind, blend)) return std::nullopt;
+  }
+  const Halves halves(balls_of<Real>(*chain, tape), cancelled);
+  if (is_set(cancelled)) return std::nullopt;
+  const double size = distance(halves.whole().center, {}) + halves.whole().radius + blend;
+  // squares of distances, and of their roundings, are to be numbers
+  const double least = std::sqrt(static_cast<double>(std::numeric_limits<Real>::min())) * 0x1p24;
+  const double most = std::sqrt(static_cast<double>(std::numeric_limits<Real>::max())) * 0x1p-4;
+  if (!(size > least && size < most)) return std::nullopt;
+
+  const double trusted = blend > 0.0 ? blend / 8.0 : kInfinity;
+  std::optional<std::vector<double>> lowerings(std::in_place, halves.balls().size());
+  if (blend > 0.0) lowerings = lowerings_of(halves, blend, trusted, cancelled);
+  if (!lowerings) return std::nullopt;
+  BallTree tree;
+  tree.blend_ = at_least<Real>(blend);
+  tree.trusted_epsilon_ = static_cast<Real>(trusted);
+  for (const Halves::Part& part : halves.parts()) {
+    BallNode<Real>& node = tree.nodes_.emplace_back();
+    for (std::size_t axis = 0; axis < 3; ++axis) node.center[axis] = static_cast<Real>(part.center.*kAxes[axis]);
+    // no centre is moved by more than a rounding of the largest
+    node.radius =
+        at_least<Real>(part.radius + blend + size * static_cast<double>(std::numeric_limits<Real>::epsilon()));
+    node.is_leaf = part.is_leaf();
+    node.other = node.is_leaf ? static_cast<std::uint32_t>(tree.leaves_.size()) : part.other;
+    if (!node.is_leaf) continue;
+    tree.leaves_.push_back(leaf_of<Real>(halves.balls_of(part), std::span(*lowerings).subspan(part.first, part.count)));
+  }
+  return tree;
+}
+
+template class BallTree<float>;
+template class BallTree<double>;
+
+}  // namespace octomarch
