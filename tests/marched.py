@@ -27,7 +27,13 @@ def building() -> om.Shape:
 
 
 def crowd() -> om.Shape:
-    """Return balls, so many that the octree runs them."""
+    """Return boxes, so many that the octree runs them."""
+    rng = np.random.default_rng(7)
+    return om.union(*(om.box(0.45).translate(*rng.uniform(-2, 2, 3)) for _ in range(100)), smooth=0.05)
+
+
+def balls() -> om.Shape:
+    """Return balls, so many that rays look for the first."""
     rng = np.random.default_rng(7)
     return om.union(*(om.sphere(0.3, center=rng.uniform(-2, 2, 3)) for _ in range(100)), smooth=0.05)
 
@@ -41,6 +47,7 @@ SCENES: dict[str, tuple[om.Shape, om.Camera]] = {
     "blend": (blend(), om.Camera((3, 2, 4), (0, 0, 0))),
     "building": (building(), om.Camera((9, 4, 12), (0, 0, 0))),
     "crowd": (crowd(), om.Camera((3, 2, 6), (0, 0, 0))),
+    "balls": (balls(), om.Camera((3, 2, 6), (0, 0, 0))),
     "twisted": (twisted(), om.Camera((3, 2, 4), (0, 0, 0))),
 }
 

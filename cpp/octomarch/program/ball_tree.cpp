@@ -8,9 +8,9 @@
 #include <numbers>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "octomarch/base/parallel.hpp"
-#include "octomarch/program/chain.hpp"
 
 namespace octomarch {
 
@@ -29,27 +29,76 @@ double distance(const Vec3& a, const Vec3& b) {
 
 constexpr double Vec3::* kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
 
-/// Does a kind make balls from the coordinates, and unite or blend them? `blend` becomes at least the k of that.
-bool makes_balls(const Chain::Kind& kind, double& blend) {
-  const Instruction& make = kind.body().front();
-  const Opcode take_up = kind.combine().op;
-  if (take_up == Opcode::kSmoothUnion) blend = std::max(blend, kind.of_combine[0]);
-  return kind.length == 1 && (make.op == Opcode::kSphere || make.op == Opcode::kOriginSphere) && make.in[0] == 0 &&
-         make.in[1] == 1 && make.in[2] == 2 && (take_up == Opcode::kUnion || take_up == Opcode::kSmoothUnion);
-}
-
+/// The balls of a tape that makes nothing but balls, blends them one by one, and unites them and what they have become. One that is
+/// taken up twice counts twice.
 template <class Real>
-std::vector<Ball> balls_of(const Chain& chain, const Tape& tape) {
-  const std::vector<Real> table = chain.table<Real>(tape);
-  std::vector<Ball> balls(chain.operands());
-  for (std::size_t i = 0; i < balls.size(); ++i) {
-    const Real* const row = table.data() + i * chain.columns();
-    const auto number = [row](std::size_t column) { return static_cast<double>(row[column]); };
-    const bool is_at_origin = chain.kind_of(i).body().front().op == Opcode::kOriginSphere;
-    balls[i] = is_at_origin ? Ball{{}, number(0)} : Ball{{number(0), number(1), number(2)}, number(3)};
+class BallReader {
+ public:
+  explicit BallReader(const Tape& tape)
+      : tape_(tape),
+        constants_(constants_of<Real>(tape)),
+        holds_(tape.registers, Holds::kNothing),
+        ball_(tape.registers) {
+    std::fill_n(holds_.begin(), kCoordinates, Holds::kCoordinate);
   }
-  return balls;
-}
+
+  /// Is it one?
+  bool read() {
+    if (tape_.inputs != kCoordinates || tape_.results.size() != 1) return false;
+    return std::ranges::all_of(tape_.code, [this](const Instruction& instruction) { return read(instruction); }) &&
+           holds_[tape_.result()] == Holds::kCrowd;
+  }
+  std::vector<Ball> take_balls() { return std::move(balls_); }
+  double blend() const { return blend_; }  ///< the largest k
+
+ private:
+  enum class Holds : std::uint8_t { kNothing, kCoordinate, kBall, kCrowd };
+  static constexpr std::size_t kCoordinates = 3;
+
+  bool read(const Instruction& instruction) {
+    const Real* const own = constants_ + instruction.constants;
+    const auto number = [own](std::size_t i) { return static_cast<double>(own[i]); };
+    switch (instruction.op) {
+      case Opcode::kSphere: return make(instruction, {{number(0), number(1), number(2)}, number(3)});
+      case Opcode::kOriginSphere: return make(instruction, {{}, number(0)});
+      case Opcode::kUnion: return take_up(instruction.in[0]) && take_up(instruction.in[1]) && hold_crowd(instruction);
+      case Opcode::kSmoothUnion:
+        blend_ = std::max(blend_, number(0));
+        return (holds_[instruction.in[0]] == Holds::kBall || holds_[instruction.in[1]] == Holds::kBall) &&
+               take_up(instruction.in[0]) && take_up(instruction.in[1]) && hold_crowd(instruction);
+      default: return false;
+    }
+  }
+
+  bool make(const Instruction& instruction, const Ball& ball) {
+    for (std::uint16_t axis = 0; axis < kCoordinates; ++axis) {
+      if (instruction.in[axis] != axis || holds_[axis] != Holds::kCoordinate) return false;
+    }
+    holds_[instruction.out[0]] = Holds::kBall;
+    ball_[instruction.out[0]] = ball;
+    return true;
+  }
+
+  bool take_up(std::uint16_t taken) {
+    if (holds_[taken] == Holds::kBall) {
+      balls_.push_back(ball_[taken]);
+      return true;
+    }
+    return std::exchange(holds_[taken], Holds::kNothing) == Holds::kCrowd;
+  }
+
+  bool hold_crowd(const Instruction& instruction) {
+    holds_[instruction.out[0]] = Holds::kCrowd;
+    return true;
+  }
+
+  const Tape& tape_;
+  const Real* constants_;
+  std::vector<Holds> holds_;  ///< by register
+  std::vector<Ball> ball_;    ///< likewise
+  std::vector<Ball> balls_;
+  double blend_ = 0.0;
+};
 
 /// Balls in parts of parts, halved along the longest side of the box about their centres.
 class Halves {
@@ -133,7 +182,7 @@ class Halves {
 /// How far outside of a ball a blend may have its surface, or be no more than `epsilon`, where that ball is the nearest.
 ///
 /// Let d be the least of the distances dᵢ at a point. What is 2k farther does not count, since the others are never lowered by more
-/// than k in all. The blend of two takes no more from the smaller than κ·log(1 + exp(−|a − b|/κ)) with κ = k / (4 log 2), which is as
+/// than k in all, as long as blends take up one ball at a time. The blend of two takes no more from the smaller than κ·log(1 + exp(−|a − b|/κ)) with κ = k / (4 log 2), which is as
 /// much where a = b, and does not depend on the order of operands. So the field is at least
 /// d − κ·log(Σ exp(−(dᵢ − d)/κ) + exp(−k/κ)), the last for those that do not count. And dᵢ − d is at least the gap to the i-th ball less 2d.
 class Lowering {
@@ -256,13 +305,10 @@ BallLeaf<Real> leaf_of(std::span<const Ball> balls, std::span<const double> lowe
 template <class Real>
 std::optional<BallTree<Real>> BallTree<Real>::of(const Tape& tape, const bool& cancelled) {
   if (tape.code.size() < 2 * kFewest - 1) return std::nullopt;
-  const std::optional<Chain> chain = Chain::of(tape);
-  if (!chain || !chain->is_whole()) return std::nullopt;
-  double blend = 0.0;
-  for (const Chain::Kind& kind : chain->kinds()) {
-    if (!makes_balls(kind, blend)) return std::nullopt;
-  }
-  const Halves halves(balls_of<Real>(*chain, tape), cancelled);
+  BallReader<Real> reader(tape);
+  if (!reader.read()) return std::nullopt;
+  const double blend = reader.blend();
+  const Halves halves(reader.take_balls(), cancelled);
   if (is_set(cancelled)) return std::nullopt;
   const double size = distance(halves.whole().center, {}) + halves.whole().radius + blend;
   // squares of distances, and of their roundings, are to be numbers

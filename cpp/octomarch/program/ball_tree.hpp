@@ -1,5 +1,5 @@
 // Fields that are nothing but balls, united or blended one after the other: where they may have a surface at all. Rays find the first
-// such place by a square root a ball, where steps would take many evaluations. Chains (chain.hpp) come before, kernels/balls.hpp after.
+// such place by a square root a ball, where steps would take many evaluations. Lowering comes before, kernels/balls.hpp after.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@ namespace octomarch {
 template <class Real>
 class BallTree {
  public:
-  /// Of a tape that is a chain of balls, kFewest at least, neither of huge numbers nor of tiny ones alone; else nothing. O(n log n).
+  /// Of a tape that has nothing but balls, kFewest at least, blended one by one or united, neither of huge numbers nor of tiny ones alone; else nothing. O(n log n).
   /// Cancelled, it returns anything, soon.
   static std::optional<BallTree> of(const Tape& tape, const bool& cancelled);
-  static constexpr std::size_t kFewest = 64;
+  static constexpr std::size_t kFewest = 16;
 
   const std::vector<BallNode<Real>>& nodes() const { return nodes_; }
   const std::vector<BallLeaf<Real>>& leaves() const { return leaves_; }

@@ -81,7 +81,10 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
       }
     }
   }
-  if (balls != nullptr) return enter_balls(*balls, rays, count, parameters, batch);
+  if (balls != nullptr) {
+    stage.count += count;
+    return enter_balls(*balls, rays, count, parameters, batch);
+  }
   if (cones_->small) march_small_cones(rays, count, parameters, stage);
   const auto number_or = [](Real t, Real other) { return t == t ? t : other; };
   for (std::size_t block = 0; block < count; ++block) {
