@@ -11,15 +11,11 @@
 #include <utility>
 
 #include "octomarch/base/parallel.hpp"
+#include "octomarch/program/ball_reader.hpp"
 
 namespace octomarch {
 
 namespace {
-
-struct Ball {
-  Vec3 center;
-  double radius;
-};
 
 /// Of numbers whose squares are numbers too.
 double distance(const Vec3& a, const Vec3& b) {
@@ -28,77 +24,6 @@ double distance(const Vec3& a, const Vec3& b) {
 }
 
 constexpr double Vec3::* kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-
-/// The balls of a tape that makes nothing but balls, blends them one by one, and unites them and what they have become. One that is
-/// taken up twice counts twice.
-template <class Real>
-class BallReader {
- public:
-  explicit BallReader(const Tape& tape)
-      : tape_(tape),
-        constants_(constants_of<Real>(tape)),
-        holds_(tape.registers, Holds::kNothing),
-        ball_(tape.registers) {
-    std::fill_n(holds_.begin(), kCoordinates, Holds::kCoordinate);
-  }
-
-  /// Is it one?
-  bool read() {
-    if (tape_.inputs != kCoordinates || tape_.results.size() != 1) return false;
-    return std::ranges::all_of(tape_.code, [this](const Instruction& instruction) { return read(instruction); }) &&
-           holds_[tape_.result()] == Holds::kCrowd;
-  }
-  std::vector<Ball> take_balls() { return std::move(balls_); }
-  double blend() const { return blend_; }  ///< the largest k
-
- private:
-  enum class Holds : std::uint8_t { kNothing, kCoordinate, kBall, kCrowd };
-  static constexpr std::size_t kCoordinates = 3;
-
-  bool read(const Instruction& instruction) {
-    const Real* const own = constants_ + instruction.constants;
-    const auto number = [own](std::size_t i) { return static_cast<double>(own[i]); };
-    switch (instruction.op) {
-      case Opcode::kSphere: return make(instruction, {{number(0), number(1), number(2)}, number(3)});
-      case Opcode::kOriginSphere: return make(instruction, {{}, number(0)});
-      case Opcode::kUnion: return take_up(instruction.in[0]) && take_up(instruction.in[1]) && hold_crowd(instruction);
-      case Opcode::kSmoothUnion:
-        blend_ = std::max(blend_, number(0));
-        return (holds_[instruction.in[0]] == Holds::kBall || holds_[instruction.in[1]] == Holds::kBall) &&
-               take_up(instruction.in[0]) && take_up(instruction.in[1]) && hold_crowd(instruction);
-      default: return false;
-    }
-  }
-
-  bool make(const Instruction& instruction, const Ball& ball) {
-    for (std::uint16_t axis = 0; axis < kCoordinates; ++axis) {
-      if (instruction.in[axis] != axis || holds_[axis] != Holds::kCoordinate) return false;
-    }
-    holds_[instruction.out[0]] = Holds::kBall;
-    ball_[instruction.out[0]] = ball;
-    return true;
-  }
-
-  bool take_up(std::uint16_t taken) {
-    if (holds_[taken] == Holds::kBall) {
-      balls_.push_back(ball_[taken]);
-      return true;
-    }
-    return std::exchange(holds_[taken], Holds::kNothing) == Holds::kCrowd;
-  }
-
-  bool hold_crowd(const Instruction& instruction) {
-    holds_[instruction.out[0]] = Holds::kCrowd;
-    return true;
-  }
-
-  const Tape& tape_;
-  const Real* constants_;
-  std::vector<Holds> holds_;  ///< by register
-  std::vector<Ball> ball_;    ///< likewise
-  std::vector<Ball> balls_;
-  double blend_ = 0.0;
-};
 
 /// Balls in parts of parts, halved along the longest side of the box about their centres.
 class Halves {
@@ -250,32 +175,37 @@ class Lowering {
   std::vector<Ball> near_;
 };
 
-/// Of all balls; nothing where there is so much about balls that rays are better led by cones. `k`: of the blend, not 0.
+/// Of all balls; nothing where there is so much about what is in them that rays are better led by cones. `k`: of the blend.
 std::optional<std::vector<double>> lowerings_of(const Halves& halves, double k, double epsilon, const bool& cancelled) {
-  constexpr double kMostOfRadius = 1.0 / 3.0;
+  constexpr double kMostOfBulk = 0.25;
   constexpr double kMostOfBlend = 0.8;
   constexpr std::size_t kLeavesOfSample = 64;  // a crowd is told by these
   std::vector<const Halves::Part*> leaves;
   for (const Halves::Part& part : halves.parts()) {
     if (part.is_leaf()) leaves.push_back(&part);
   }
-  Lowering lowering(halves, k, epsilon);
   std::vector<double> lowerings(halves.balls().size());
-  double sum = 0.0;
-  double radii = 0.0;
+  const auto own = [&](const Halves::Part& leaf) { return std::span(lowerings).subspan(leaf.first, leaf.count); };
+  std::optional<Lowering> lowering;
+  if (k > 0.0) lowering.emplace(halves, k, epsilon);
+  double around = 0.0;
+  double blended = 0.0;
+  double bulk = 0.0;
   double count = 0.0;
   const std::size_t stride = std::max<std::size_t>(leaves.size() / kLeavesOfSample, 1);
   for (std::size_t i = 0; i < leaves.size(); i += stride) {
-    const std::span<double> own = std::span(lowerings).subspan(leaves[i]->first, leaves[i]->count);
-    lowering.of(*leaves[i], own);
-    sum += std::accumulate(own.begin(), own.end(), 0.0);
-    for (const Ball& ball : halves.balls_of(*leaves[i])) radii += std::max(ball.radius, 0.0);
+    if (lowering) lowering->of(*leaves[i], own(*leaves[i]));
+    for (const double lowered : own(*leaves[i])) blended += lowered;
+    for (const Ball& ball : halves.balls_of(*leaves[i])) {
+      bulk += std::max(ball.bulk, 0.0);
+      around += ball.radius - ball.bulk;
+    }
     count += leaves[i]->count;
   }
-  if (sum > kMostOfRadius * radii || sum > kMostOfBlend * k * count) return std::nullopt;
-  for (std::size_t i = 0; i < leaves.size(); ++i) {
+  if (around + blended > kMostOfBulk * bulk || blended > kMostOfBlend * k * count) return std::nullopt;
+  for (std::size_t i = 0; lowering && i < leaves.size(); ++i) {
     if (is_set(cancelled)) return std::nullopt;
-    if (i % stride != 0) lowering.of(*leaves[i], std::span(lowerings).subspan(leaves[i]->first, leaves[i]->count));
+    if (i % stride != 0) lowering->of(*leaves[i], own(*leaves[i]));
   }
   return lowerings;
 }
@@ -305,10 +235,10 @@ BallLeaf<Real> leaf_of(std::span<const Ball> balls, std::span<const double> lowe
 template <class Real>
 std::optional<BallTree<Real>> BallTree<Real>::of(const Tape& tape, const bool& cancelled) {
   if (tape.code.size() < 2 * kFewest - 1) return std::nullopt;
-  BallReader<Real> reader(tape);
-  if (!reader.read()) return std::nullopt;
-  const double blend = reader.blend();
-  const Halves halves(reader.take_balls(), cancelled);
+  std::optional<Crowd> crowd = read_crowd<Real>(tape);
+  if (!crowd) return std::nullopt;
+  const double blend = crowd->blend;
+  const Halves halves(std::move(crowd->balls), cancelled);
   if (is_set(cancelled)) return std::nullopt;
   const double size = distance(halves.whole().center, {}) + halves.whole().radius + blend;
   // squares of distances, and of their roundings, are to be numbers
@@ -317,8 +247,7 @@ std::optional<BallTree<Real>> BallTree<Real>::of(const Tape& tape, const bool& c
   if (!(size > least && size < most)) return std::nullopt;
 
   const double trusted = blend > 0.0 ? blend / 8.0 : kInfinity;
-  std::optional<std::vector<double>> lowerings(std::in_place, halves.balls().size());
-  if (blend > 0.0) lowerings = lowerings_of(halves, blend, trusted, cancelled);
+  const std::optional<std::vector<double>> lowerings = lowerings_of(halves, blend, trusted, cancelled);
   if (!lowerings) return std::nullopt;
   BallTree tree;
   tree.blend_ = at_least<Real>(blend);

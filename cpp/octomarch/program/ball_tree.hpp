@@ -1,5 +1,5 @@
-// Fields that are nothing but balls, united or blended one after the other: where they may have a surface at all. Rays find the first
-// such place by a square root a ball, where steps would take many evaluations. Lowering comes before, kernels/balls.hpp after.
+// Where crowds of shapes may have a surface at all. Rays find the first such place by a square root a shape, where steps would take many
+// evaluations. ball_reader.hpp comes before, kernels/balls.hpp after.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ namespace octomarch {
 template <class Real>
 class BallTree {
  public:
-  /// Of a tape that has nothing but balls, kFewest at least, blended one by one or united, neither of huge numbers nor of tiny ones alone; else nothing. O(n log n).
-  /// Cancelled, it returns anything, soon.
+  /// Of a crowd (ball_reader.hpp) of kFewest shapes at least, of which little is between them and the balls about them, neither of huge
+  /// numbers nor of tiny ones alone; else nothing. O(n log n). Cancelled, it returns anything, soon.
   static std::optional<BallTree> of(const Tape& tape, const bool& cancelled);
   static constexpr std::size_t kFewest = 16;
 
