@@ -26,16 +26,15 @@ def building() -> om.Shape:
     return om.box((4, 12, 4)) - windows - om.cylinder(1.2, axis="y") | om.plane(point=(0, -6, 0))
 
 
-def crowd() -> om.Shape:
-    """Return boxes, so many that the octree runs them."""
-    rng = np.random.default_rng(7)
-    return om.union(*(om.box(0.45).translate(*rng.uniform(-2, 2, 3)) for _ in range(100)), smooth=0.05)
-
-
 def balls() -> om.Shape:
     """Return balls, so many that rays look for the first."""
     rng = np.random.default_rng(7)
     return om.union(*(om.sphere(0.3, center=rng.uniform(-2, 2, 3)) for _ in range(100)), smooth=0.05)
+
+
+def crowd() -> om.Shape:
+    """Return so many shapes that the octree runs them, one of them nothing that rays look for."""
+    return balls() | om.octahedron(0.2)
 
 
 def twisted() -> om.Shape:

@@ -9,7 +9,8 @@ from octomarch.planes import PLANES
 STAGES = ("cones", "primary", "normals", "objects", "materials", "occlusion", "shadow", "reflection", "sky")
 FLOOR = om.plane(point=(0, -1, 0)).paint(om.Material(om.checker(0.1, 0.9), reflectivity=0.3))
 FEW = om.sphere(1.0) | om.box(1.0).translate(2, 0, 0) | FLOOR
-MANY = om.spheres(np.random.default_rng(3).uniform(-2, 2, (300, 3)), np.full(300, 0.2)) | FLOOR
+BALLS = om.spheres(np.random.default_rng(3).uniform(-2, 2, (300, 3)), np.full(300, 0.2))
+MANY = BALLS | om.octahedron(0.2) | FLOOR
 CAMERA = om.Camera((4, 3, 8), (0, 0, 0))
 SIZE = (96, 64)
 
@@ -38,6 +39,13 @@ def test_stages_add_up(shape: om.Shape, isa: str, precision: str):
         assert 0 < stage["seconds"] < 60, name
         assert 0 <= stage["seconds_cells"] <= stage["seconds"], name
         assert (stage["cells_visited"] > 0) >= (stage["cells_made"] > 0), name
+
+
+def test_the_search_for_balls_counts_its_blocks_and_no_evaluations():
+    stage = stats(BALLS | FLOOR)["stages"]["cones"]
+    assert stage["count"] == SIZE[0] * SIZE[1] // 64
+    assert stage["seconds"] > 0
+    assert not any(stage[name] for name in ("evaluations", "instructions", "packets", "refills", "cells_visited"))
 
 
 def test_counts_do_not_depend_on_threads_and_instruction_sets():
