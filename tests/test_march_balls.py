@@ -1,4 +1,4 @@
-"""Camera rays of crowds of balls begin at the first that they come near to, with fewer evaluations and the same hits."""
+"""Camera rays of crowds of balls begin at the first that they come near to, with fewer evaluations and equal hits."""
 
 from __future__ import annotations
 
@@ -58,6 +58,18 @@ def test_rays_of_crowds_need_few_evaluations(shape: om.Shape):
 )
 def test_others_have_cones(shape: om.Shape):
     assert om.render(shape, CAMERA, SIZE, planes=("depth",)).stats["stages"]["cones"]["evaluations"] > 0
+
+
+def test_where_the_hit_epsilon_grows_fast_nothing_is_lost():
+    """At the rim of so wide a picture a pixel is wider than it is far away: rays are within it of all balls at once."""
+    wide = om.Camera((0, 0, 7), (0, 0, 0), fov=175)
+    for tolerance in (0.1, 0.5, 1.0, 3.0):
+        auto, enhanced = (
+            om.render(dust(100), wide, (80, 40), march=om.March(method, pixel_tolerance=tolerance), planes=("status",))
+            for method in ("auto", "enhanced")
+        )
+        lost = (enhanced.status == om.Status.HIT) & (auto.status != om.Status.HIT)
+        assert np.count_nonzero(lost) <= 2, tolerance
 
 
 @pytest.mark.parametrize("smooth", [0.0, 0.02])

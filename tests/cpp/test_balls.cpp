@@ -417,6 +417,19 @@ void check_same(const Buffer<Real>& a, const Buffer<Real>& b) {
   CHECK(std::memcmp(a.data(), b.data(), kRays * sizeof(Real)) == 0);
 }
 
+TEST_CASE("rays that begin within reach begin where they are, however many balls hold them") {
+  std::vector<NodePtr> balls;
+  for (int i = 0; i < 5000; ++i) balls.push_back(translate(sphere(1.0 + 1e-4 * i), {1e-5 * i, 0, 0}));
+  const std::shared_ptr<const Program> program = compile(combine(NodeKind::kUnion, std::move(balls), 0.0));
+  const std::optional<BallTree<float>> tree = tree_of<float>(*program);
+  REQUIRE(tree);
+  for (const float start : {0.0F, 0.25F}) {
+    const Entered<float> entered =
+        enter(kernels::available_isas().back(), *tree, rays_of<float>(Camera::kInside, 0), start);
+    for (std::size_t i = 0; i < kRays; ++i) CHECK(entered.start[i] == start);
+  }
+}
+
 TEST_CASE_TEMPLATE("every instruction set finds the same bits, in any company", Real, float, double) {
   const std::optional<BallTree<Real>> tree = tree_of<Real>(*cloud(1000));
   REQUIRE(tree);

@@ -213,6 +213,10 @@ struct ConeView {
   Real* t_max;    ///< likewise
 };
 
+/// Rays whose hit epsilon grows with t by more than this may be within it of a ball wherever they are.
+template <class Real>
+inline constexpr Real kSteepestOfBalls = Real(0.5);
+
 /// A tree of balls, see BallTree.
 template <class Real>
 struct BallsView {
@@ -314,7 +318,7 @@ struct KernelTable {
   void (*fit_small_cones)(const RayView<Real>&, std::size_t block, const ConeView<Real>& small,
                           const ConeView<Real>& smallest);
   /// Where each ray of a block, about which a cone has been put, comes within reach of the first ball; `end` is set to −1 where it
-  /// never does. Both are those of the block.
+  /// never does. Both are those of the block. epsilon_slope < kSteepestOfBalls.
   void (*enter_balls)(const BallsView<Real>&, const RayView<Real>&, std::size_t block, const ConeView<Real>&,
                       Real epsilon_slope, Real* start, Real* end);
   /// `met`: the t at which each ray enters the first of the planes: t_min where it begins within the hit epsilon of one, +∞

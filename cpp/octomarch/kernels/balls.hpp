@@ -20,28 +20,33 @@ class BallsOfBlock {
       : balls_(balls),
         rays_(rays),
         first_(block * kLanes),
-        growth_(epsilon_slope + kRoundings),
+        per_rest_(Real(1) / (Real(1) - epsilon_slope)),
+        growth_((epsilon_slope + kRoundings) * per_rest_),
         o_{cones.origin.x[block], cones.origin.y[block], cones.origin.z[block]},
         d_{cones.direction.x[block], cones.direction.y[block], cones.direction.z[block]},
         width_(cones.width[block]),
         spread_(cones.spread[block]),
         t_max_(cones.t_max[block]),
-        per_length_(Real(1) / (d_[0] * d_[0] + d_[1] * d_[1] + d_[2] * d_[2])) {
+        per_length_(per_square(d_[0] * d_[0] + d_[1] * d_[1] + d_[2] * d_[2])) {
     const T zero = Real(0);
     T most = zero;
+    T least = std::numeric_limits<Real>::infinity();
     for (std::size_t lane = 0; lane < kLanes; lane += kWidth<Real>) {
       const std::size_t i = first_ + lane;
       const T size = abs(at(rays.ox, i)) + abs(at(rays.oy, i)) + abs(at(rays.oz, i));
-      const T room = at(rays.epsilon, i) + T(kRoundings) * size;
+      // what grows with t counts at t ≤ (|along| + reach + room) / (1 − slope), where a ray within reach is at the most
+      const T room = (at(rays.epsilon, i) + T(kRoundings) * size) * T(per_rest_) + T(growth_ * balls.blend);
       const T number = (size + at(rays.dx, i) + at(rays.dy, i) + at(rays.dz, i)) * zero;
       room.store(room_ + lane);
       most = max(room, most);
+      least = min(at(rays.start, i), least);
       const T infinity = std::numeric_limits<Real>::infinity();
       const T enter = select(number == zero, infinity, -infinity);  // of rays that are no numbers nothing is asked
       enter.store(enter_ + lane);
       last_of_batch_[lane / kWidth<Real>] = largest_lane(enter);
     }
     room_of_all_ = largest_lane(most);
+    first_start_ = -largest_lane(T(Real(0)) - least);
   }
 
   void find() {
@@ -88,6 +93,11 @@ class BallsOfBlock {
   }
 
  private:
+  static Real per_square(Real square) {
+    return square > std::numeric_limits<Real>::min() ? Real(1) / square
+                                                     : Real(0);  // of no direction, nothing is along it
+  }
+
   /// Where the cone may first come near to balls that are all in one: +∞ where it does not, and a NaN where numbers are too large.
   T begins(const T& x, const T& y, const T& z, const T& radius) const {
     const T px = x - T(o_[0]);
@@ -103,7 +113,8 @@ class BallsOfBlock {
     const T about = (radius + room + T(width_)) * T(kMore) + T(4 * kRoundings) * distance;
     const T wide = about + T(spread_) * (farthest + room) * T(kMore);
     const auto misses = (aside > wide * wide) | (ahead < -wide);
-    return select(misses, T(std::numeric_limits<Real>::infinity()), distance - about);
+    // where rays begin within reach, no earlier than they do: so the walk ends once all have
+    return select(misses, T(std::numeric_limits<Real>::infinity()), max(distance - about, T(first_start_)));
   }
 
   Real begins(const BallNode<Real>& node) const {
@@ -165,10 +176,11 @@ class BallsOfBlock {
   const BallsView<Real>& balls_;
   const RayView<Real>& rays_;
   std::size_t first_;
-  Real growth_;
+  Real per_rest_, growth_;
   Real o_[3], d_[3];
   Real width_, spread_, t_max_, per_length_;
   Real room_of_all_ = 0;
+  Real first_start_ = 0;
   Real last_ = 0;  ///< where the last ray enters, as far as is known
   Real last_of_batch_[kLanes / kWidth<Real>];
   alignas(kAlignment) Real room_[kLanes];

@@ -126,17 +126,18 @@ class BallReader {
     if (!has_coordinates(instruction)) return false;
     Vec3 center{};
     double size = 0.0;
-    Vec3 squares{};
+    double off = 0.0;  // how far they are from unit length and square to each other
     for (std::size_t k = 0; k < kCoordinates; ++k) {
       const Axis& axis = axis_[instruction.in[k]];
       center = center + axis.along * (ball.center.*kAxes[k] - axis.offset);
       size += std::fabs(ball.center.*kAxes[k]) + std::fabs(axis.offset);
-      squares.*kAxes[k] = dot(axis.along, axis_[instruction.in[(k + 1) % kCoordinates]].along);
+      const Axis& next = axis_[instruction.in[(k + 1) % kCoordinates]];
+      off += std::fabs(dot(axis.along, next.along)) + std::fabs(dot(axis.along, axis.along) - 1.0);
     }
-    if (length(squares) > 1e-3) return false;  // two of them are along one axis
+    if (!(off < 1e-5)) return false;  // as where two are along one axis
     constexpr double kRoundings = 16.0 * static_cast<double>(std::numeric_limits<Real>::epsilon());
     ball.center = center;
-    if (instruction.op != Opcode::kSphere && instruction.op != Opcode::kOriginSphere) ball.radius += kRoundings * size;
+    ball.radius += kRoundings * size;
     holds_[instruction.out[0]] = Holds::kBall;
     ball_[instruction.out[0]] = ball;
     return true;

@@ -46,7 +46,7 @@ class Halves {
   std::span<const Ball> balls() const { return balls_; }
   std::span<const Ball> balls_of(const Part& part) const { return balls().subspan(part.first, part.count); }
 
-  /// Calls f(balls of a leaf) for all leaves that a ball about a point meets.
+  /// Calls f(balls of a leaf) for all leaves that a ball about a point meets, until it returns false.
   template <class Function>
   void for_each_leaf_near(const Vec3& center, double radius, Function&& f) const {
     std::array<std::uint32_t, kDeepestBallTree> waiting{};
@@ -55,11 +55,11 @@ class Halves {
       const std::uint32_t index = waiting[--count];
       const Part& part = parts_[index];
       if (distance(part.center, center) > part.radius + radius) continue;
-      if (part.is_leaf()) {
-        f(balls_of(part));
-      } else {
+      if (!part.is_leaf()) {
         waiting[count++] = part.other;
         waiting[count++] = index + 1;
+      } else if (!f(balls_of(part))) {
+        return;
       }
     }
   }
@@ -106,13 +106,15 @@ class Halves {
 
 /// How far outside of a ball a blend may have its surface, or be no more than `epsilon`, where that ball is the nearest.
 ///
-/// Let d be the least of the distances dᵢ at a point. What is 2k farther does not count, since the others are never lowered by more
-/// than k in all, as long as blends take up one ball at a time. The blend of two takes no more from the smaller than κ·log(1 + exp(−|a − b|/κ)) with κ = k / (4 log 2), which is as
-/// much where a = b, and does not depend on the order of operands. So the field is at least
-/// d − κ·log(Σ exp(−(dᵢ − d)/κ) + exp(−k/κ)), the last for those that do not count. And dᵢ − d is at least the gap to the i-th ball less 2d.
-class Lowering {
+/// Let d be the least of the distances dᵢ at a point. Blends that take up one shape at a time lower what they have by k in
+/// all at the most: at θk below the least, the next takes (1 − θ)²k/4 and no more. So what is 2k farther than d does not
+/// count: alone it stays above d + k, and the blend of that with anything at d is d. The blend of two takes no more from the
+/// smaller than κ·log(1 + exp(−|a − b|/κ)), κ = k / (4 log 2), with which it agrees in value and slope where a = b; and that
+/// does not depend on the order of operands. So the field is at least d − κ·log(Σ exp(−(dᵢ − d)/κ) + exp(−k/κ)), the last
+/// for those that do not count. And dᵢ − d is at least the gap to the i-th ball less 2d.
+class BlendReach {
  public:
-  Lowering(const Halves& halves, double k, double epsilon)
+  BlendReach(const Halves& halves, double k, double epsilon)
       : halves_(halves),
         k_(k),
         epsilon_(epsilon),
@@ -127,13 +129,17 @@ class Lowering {
     halves_.for_each_leaf_near(leaf.center, leaf.radius + reach_, [&](std::span<const Ball> balls) {
       if (balls.data() == own.data()) first_own = near_.size();
       near_.insert(near_.end(), balls.begin(), balls.end());
+      return near_.size() <= kMostNear;
     });
-    for (std::size_t i = 0; i < own.size(); ++i) lowerings[i] = of(first_own + i);
+    const bool are_too_many = near_.size() > kMostNear;
+    for (std::size_t i = 0; i < own.size(); ++i) lowerings[i] = are_too_many ? k_ : of(first_own + i);
   }
 
  private:
-  static constexpr std::size_t kMostGaps = 16;  ///< of which the sum is taken
-  static constexpr int kRounds = 6;             ///< each begins at what the last has found to be the most
+  static constexpr std::size_t kMostNear = 2000;  ///< to a leaf, to be looked at
+  static constexpr std::size_t kMostGaps = 16;    ///< of which the sum is taken
+  static constexpr int kRounds = 6;               ///< each begins at what the last has found to be the most
+  static constexpr double kHardlyLess = 0.95;     ///< not worth another
 
   double of(std::size_t one) const {
     const Ball& ball = near_[one];
@@ -151,7 +157,7 @@ class Lowering {
     double most = k_;
     for (int round = 0; round < kRounds; ++round) {
       const double less = at(most + epsilon_, std::span(gaps).first(count));
-      if (less > most * 0.95) break;
+      if (less > most * kHardlyLess) break;
       most = less;
     }
     return most;
@@ -177,7 +183,7 @@ class Lowering {
 
 /// Of all balls; nothing where there is so much about what is in them that rays are better led by cones. `k`: of the blend.
 std::optional<std::vector<double>> lowerings_of(const Halves& halves, double k, double epsilon, const bool& cancelled) {
-  constexpr double kMostOfBulk = 0.25;
+  constexpr double kMostOfBulk = 1.0 / 6.0;
   constexpr double kMostOfBlend = 0.8;
   constexpr std::size_t kLeavesOfSample = 64;  // a crowd is told by these
   std::vector<const Halves::Part*> leaves;
@@ -186,15 +192,15 @@ std::optional<std::vector<double>> lowerings_of(const Halves& halves, double k, 
   }
   std::vector<double> lowerings(halves.balls().size());
   const auto own = [&](const Halves::Part& leaf) { return std::span(lowerings).subspan(leaf.first, leaf.count); };
-  std::optional<Lowering> lowering;
-  if (k > 0.0) lowering.emplace(halves, k, epsilon);
+  std::optional<BlendReach> reach;
+  if (k > 0.0) reach.emplace(halves, k, epsilon);
   double around = 0.0;
   double blended = 0.0;
   double bulk = 0.0;
   double count = 0.0;
   const std::size_t stride = std::max<std::size_t>(leaves.size() / kLeavesOfSample, 1);
   for (std::size_t i = 0; i < leaves.size(); i += stride) {
-    if (lowering) lowering->of(*leaves[i], own(*leaves[i]));
+    if (reach) reach->of(*leaves[i], own(*leaves[i]));
     for (const double lowered : own(*leaves[i])) blended += lowered;
     for (const Ball& ball : halves.balls_of(*leaves[i])) {
       bulk += std::max(ball.bulk, 0.0);
@@ -203,9 +209,9 @@ std::optional<std::vector<double>> lowerings_of(const Halves& halves, double k, 
     count += leaves[i]->count;
   }
   if (around + blended > kMostOfBulk * bulk || blended > kMostOfBlend * k * count) return std::nullopt;
-  for (std::size_t i = 0; lowering && i < leaves.size(); ++i) {
+  for (std::size_t i = 0; reach && i < leaves.size(); ++i) {
     if (is_set(cancelled)) return std::nullopt;
-    if (i % stride != 0) lowering->of(*leaves[i], own(*leaves[i]));
+    if (i % stride != 0) reach->of(*leaves[i], own(*leaves[i]));
   }
   return lowerings;
 }
@@ -234,9 +240,9 @@ BallLeaf<Real> leaf_of(std::span<const Ball> balls, std::span<const double> lowe
 
 template <class Real>
 std::optional<BallTree<Real>> BallTree<Real>::of(const Tape& tape, const bool& cancelled) {
-  if (tape.code.size() < 2 * kFewest - 1) return std::nullopt;
   std::optional<Crowd> crowd = read_crowd<Real>(tape);
   if (!crowd) return std::nullopt;
+  if (crowd->balls.size() < kFewest) return std::nullopt;
   const double blend = crowd->blend;
   const Halves halves(std::move(crowd->balls), cancelled);
   if (is_set(cancelled)) return std::nullopt;

@@ -69,9 +69,9 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
   kernels_.fit_cones(rays, blocks.view());
   std::fill_n(blocks.t.data(), count, rays.start.value);
   if (has_bounds()) enter_bounds(blocks, count, parameters);
-  const BallTree<Real>* const balls = parameters.stepping == kernels::Stepping::kEnhanced
-                                          ? program_.template balls<Real>(*parameters.cancelled)
-                                          : nullptr;
+  const bool may_have_balls =
+      parameters.stepping == kernels::Stepping::kEnhanced && parameters.epsilon_slope < kernels::kSteepestOfBalls<Real>;
+  const BallTree<Real>* const balls = may_have_balls ? program_.template balls<Real>(*parameters.cancelled) : nullptr;
   if (balls == nullptr) march_cones(rays, blocks, count, parameters, stage);
   if (has_bounds()) {
     for (std::size_t block = 0; block < count; ++block) {
@@ -99,7 +99,7 @@ void Field<Real>::advance_together(const Rays& rays, const Parameters& parameter
   }
 }
 
-/// Instead of cones, whose ends would be no farther.
+/// Instead of cones.
 template <class Real>
 void Field<Real>::enter_balls(const BallTree<Real>& balls, const Rays& rays, std::size_t blocks,
                               const Parameters& parameters, RayBatch<Real>& batch) {
