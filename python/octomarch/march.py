@@ -77,9 +77,9 @@ class March:
         steps by 1.6 r until it has to go back for the first time [2]_, ``"enhanced"`` by what the slope between the
         last two samples lets hope [3]_. ``"auto"`` takes the steps of ``"enhanced"``, and for pictures marches a cone
         about each 8×8 pixels first, at whose end their rays begin [4]_, with cones about 4×4 and 2×2 pixels between
-        where the shape's program has 48 instructions or more; rays of crowds of balls, or of what nearly
-        fills the balls about it, begin at the first that they come near to instead; planes that the shape is united with, such as a floor, it meets in closed form, and
-        marches the rest alone, within its bounds. Of ``"fixed"`` a step is
+        where the shape's program has 48 instructions or more; rays of crowds of balls, or of what nearly fills the
+        balls about it, begin at the first that they come near to instead; planes that the shape is united with,
+        such as a floor, it meets in closed form, and marches the rest alone, within its bounds. Of ``"fixed"`` a step is
         ``max(r, step)``, or the hit epsilon where that is more. It also finds solids whose field says no more than
         inside and outside (`octomarch.solid`), which are always marched by it, and may miss what is thinner than a
         step. Shadow rays take longer steps only where the light is clear. ``"certified"`` is for those who must not

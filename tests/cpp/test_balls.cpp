@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -325,7 +324,8 @@ Rays<Real> rays_of(Camera camera, std::size_t none_every) {
   Rays<Real> rays;
   for (std::size_t i = 0; i < kRays; ++i) {
     const std::size_t lane = i % kernels::kLanes;
-    const double x = 0.05 * static_cast<double>(i / kernels::kLanes * 8 + kernels::lane_column(lane)) - 1.2;
+    const std::size_t column = i / kernels::kLanes * kernels::kBlockEdge + kernels::lane_column(lane);
+    const double x = 0.05 * static_cast<double>(column) - 1.2;
     const double y = 0.05 * static_cast<double>(kernels::lane_row(lane)) - 0.2;
     const auto any = [&random] { return Vec3{uniform(random, -3, 3), uniform(random, -3, 3), uniform(random, -3, 3)}; };
     switch (camera) {
@@ -414,7 +414,10 @@ TEST_CASE_TEMPLATE("before a ray is within reach of balls there is no hit", Real
 
 template <class Real>
 void check_same(const Buffer<Real>& a, const Buffer<Real>& b) {
-  CHECK(std::memcmp(a.data(), b.data(), kRays * sizeof(Real)) == 0);
+  for (std::size_t i = 0; i < kRays; ++i) {
+    CHECK(a[i] == b[i]);
+    CHECK(std::signbit(a[i]) == std::signbit(b[i]));
+  }
 }
 
 TEST_CASE("rays that begin within reach begin where they are, however many balls hold them") {

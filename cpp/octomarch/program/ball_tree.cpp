@@ -250,7 +250,7 @@ std::optional<BallTree<Real>> BallTree<Real>::of(const Tape& tape, const bool& c
   // squares of distances, and of their roundings, are to be numbers
   const double least = std::sqrt(static_cast<double>(std::numeric_limits<Real>::min())) * 0x1p24;
   const double most = std::sqrt(static_cast<double>(std::numeric_limits<Real>::max())) * 0x1p-4;
-  if (!(size > least && size < most)) return std::nullopt;
+  if (size <= least || size >= most || std::isnan(size)) return std::nullopt;
 
   const double trusted = blend > 0.0 ? blend / 8.0 : kInfinity;
   const std::optional<std::vector<double>> lowerings = lowerings_of(halves, blend, trusted, cancelled);
