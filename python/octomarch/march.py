@@ -79,10 +79,10 @@ class March:
         about each 8×8 pixels first, at whose end their rays begin [4]_, with cones about 4×4 and 2×2 pixels between
         where the shape's program has 48 instructions or more; rays of crowds of balls, or of what nearly fills the
         balls about it, begin at the first that they come near to instead; planes that the shape is united with,
-        such as a floor, it meets in closed form, and marches the rest alone, within its bounds. Of ``"fixed"`` a step is
-        ``max(r, step)``, or the hit epsilon where that is more. It also finds solids whose field says no more than
-        inside and outside (`octomarch.solid`), which are always marched by it, and may miss what is thinner than a
-        step. Shadow rays take longer steps only where the light is clear. ``"certified"`` is for those who must not
+        such as a floor, it meets in closed form, and marches the rest alone, within its bounds. Of ``"fixed"`` a
+        step is ``max(r, step)``, or the hit epsilon where that is more. It also finds solids whose field says no more
+        than inside and outside (`octomarch.solid`), which are always marched by it, and may miss what is thinner than
+        a step. Shadow rays take longer steps only where the light is clear. ``"certified"`` is for those who must not
         miss anything; see Notes for what it guarantees.
     max_steps : int, optional
         Evaluations per ray at the most, ≥ 1; those of cones are not counted. Rays that spend them all end as
