@@ -12,8 +12,6 @@ namespace octomarch {
 
 namespace {
 
-constexpr double Vec3::* kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-
 constexpr double kPi = std::numbers::pi;
 
 /// About a shape of some area: what is seen of one is a quarter of that on the average (Cauchy), of one with hollows no more.
@@ -47,6 +45,7 @@ std::optional<Ball> ball_about(Opcode op, const auto& number) {
   }
 }
 
+/// Goes through a tape and keeps, of each register, the coordinate, ball or crowd that it holds.
 template <class Real>
 class BallReader {
  public:

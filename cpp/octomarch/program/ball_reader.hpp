@@ -9,6 +9,8 @@
 
 namespace octomarch {
 
+inline constexpr double Vec3::* kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
+
 /// A shape's distance is nowhere less than that from the ball.
 struct Ball {
   Vec3 center;

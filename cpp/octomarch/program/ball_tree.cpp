@@ -23,8 +23,6 @@ double distance(const Vec3& a, const Vec3& b) {
   return std::sqrt(way.x * way.x + way.y * way.y + way.z * way.z);
 }
 
-constexpr double Vec3::* kAxes[] = {&Vec3::x, &Vec3::y, &Vec3::z};
-
 /// Balls in parts of parts, halved along the longest side of the box about their centres.
 class Halves {
  public:
